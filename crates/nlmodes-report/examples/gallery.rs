@@ -1,4 +1,4 @@
-//! Writes one figure of each kind into a folder, to be looked at: `cargo run --example gallery -- FOLDER`.
+//! Writes one figure of each kind into a folder, for visual inspection: `cargo run --example gallery -- FOLDER`.
 
 #[path = "../tests/suite/report/samples.rs"]
 mod samples;

@@ -1,4 +1,4 @@
-//! What a two-dimensional figure shows, apart from how it is drawn.
+//! Contents of a two-dimensional figure, independent of its drawing.
 
 mod draw;
 mod inset;
@@ -18,7 +18,7 @@ pub(crate) use ticks::{linear_ticks, scientific};
 
 use crate::svg::Stroke;
 
-/// Panels above each other that share their abscissa.
+/// Stacked panels with a common abscissa.
 #[derive(Debug)]
 pub(crate) struct Chart {
     pub title: String,
@@ -27,20 +27,20 @@ pub(crate) struct Chart {
     /// Height of each panel, pixels.
     pub panel_height: f64,
     pub legend: Vec<LegendEntry>,
-    /// Small letters below the figure.
+    /// Note in small letters below the figure.
     pub note: Option<String>,
-    /// A part of the first panel, drawn larger.
+    /// An enlarged part of the first panel.
     pub inset: Option<Inset>,
 }
 
 impl Chart {
-    /// One panel of the usual height, with nothing below or within it.
+    /// One panel of the usual height, without note or inset.
     pub fn of_panel(title: String, x: Axis, panel: Panel, legend: Vec<LegendEntry>) -> Self {
         Self { title, x, panels: vec![panel], panel_height: 360.0, legend, note: None, inset: None }
     }
 }
 
-/// An axis: its label with the unit, and what it spans.
+/// An axis: its label with the unit, and its range.
 #[derive(Debug)]
 pub(crate) struct Axis {
     pub label: String,
@@ -60,34 +60,34 @@ pub(crate) struct Panel {
 /// A curve; it is interrupted where a value is not finite.
 #[derive(Debug)]
 pub(crate) struct Curve {
-    /// What it is, in the `class` attribute: `branch`, `stop`, …
+    /// Its kind, in the `class` attribute: `branch`, `stop`, …
     pub class: &'static str,
     pub points: Vec<(f64, f64)>,
     pub stroke: Stroke,
     form: Form,
 }
 
-/// How a curve goes from point to point.
+/// Interpolation of a curve between points.
 #[derive(Debug)]
 enum Form {
     Straight,
-    /// By cubic pieces, with corners at the points with these indices.
+    /// Cubic pieces, with kinks at the points with these indices.
     Smooth(Vec<usize>),
 }
 
 impl Curve {
-    /// Straight from point to point.
+    /// Straight lines between points.
     pub fn new(class: &'static str, points: Vec<(f64, f64)>, stroke: Stroke) -> Self {
         Self { class, points, stroke, form: Form::Straight }
     }
 
-    /// Smooth between its points, but for `corners`, the indices of points at which it may turn.
+    /// Smooth, except at `corners`, the indices of points at which it may have a kink.
     pub fn smooth(self, corners: Vec<usize>) -> Self {
         Self { form: Form::Smooth(corners), ..self }
     }
 }
 
-/// A symbol at a point, with a short name beside it where it has one.
+/// A symbol at a point, with an optional short name beside it.
 #[derive(Debug)]
 pub(crate) struct Symbol {
     pub class: String,
@@ -103,12 +103,12 @@ pub(crate) struct Symbol {
 #[derive(Debug)]
 pub(crate) struct Name {
     pub text: String,
-    /// Whether it is left out where there is no room for it.
+    /// Whether it is omitted if there is no space for it.
     pub may_go: bool,
 }
 
 impl Name {
-    /// A name that is always there.
+    /// A name that is always drawn.
     pub fn fixed(text: impl Into<String>) -> Self {
         Self { text: text.into(), may_go: false }
     }

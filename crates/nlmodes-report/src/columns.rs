@@ -1,5 +1,5 @@
-//! What every file of results, its columns and arrays mean: the one source of the tables themselves, of what the
-//! command line prints and of the page of the documentation.
+//! Meaning of every results file, its columns and arrays: the single source for the tables themselves, for the command
+//! line and for the documentation page.
 
 use std::fmt::Write;
 
@@ -12,11 +12,11 @@ pub use records::MODAL_POINT_COLUMNS;
 /// A column of a table, an array of an archive, or a variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Column {
-    /// Its name; `…` stands for a number.
+    /// Its name; `…` is a number.
     pub name: &'static str,
-    /// Its unit, empty for what has none; of arrays behind their shape.
+    /// Its unit, empty if dimensionless; for arrays after their shape.
     pub unit: &'static str,
-    /// What it is, with sign and normalisation.
+    /// Its meaning, with sign and normalisation.
     pub meaning: &'static str,
 }
 
@@ -26,7 +26,7 @@ impl Column {
         Self { name, unit, meaning }
     }
 
-    /// Whether a name in a file is one of this column.
+    /// Whether a name in a file belongs to this column.
     pub fn is_named(&self, name: &str) -> bool {
         match self.name.split_once('…') {
             Some((begin, end)) => {
@@ -76,7 +76,7 @@ pub const DIFFERENCE_COLUMNS: [Column; 12] = [
     Column::new(
         "motions",
         "",
-        "motions of this amplitude, or energy, that one of the two has; with more than one, as at a tongue, the nearest in frequency stands here, may be on another arm, and is not in the median; of measured points the one whose difference is most like that of points with one motion, which is in the median",
+        "motions of this amplitude, or energy, that one of the two has; with more than one, as at an internal resonance, the nearest in frequency is given, may be on another half-branch, and is not in the median; of measured points the one whose difference is most like that of points with one motion, which is in the median",
     ),
 ];
 
@@ -88,7 +88,7 @@ pub const STOP_DIFFERENCE_COLUMNS: [Column; 10] = [
     Column::new(
         "equal",
         "",
-        "what both motions have in common: `modal amplitude`, `energy` where there are no amplitudes, or `frequency`; each point stands here for both comparisons",
+        "what both motions have in common: `modal amplitude`, `energy` where there are no amplitudes, or `frequency`; each point is listed for both comparisons",
     ),
     Column::new("frequency_hz", "Hz", "frequency of the point"),
     Column::new("branch_frequency_hz", "Hz", "frequency of the branch there, linear between its points"),
@@ -102,16 +102,16 @@ pub const STOP_DIFFERENCE_COLUMNS: [Column; 10] = [
     Column::new(
         "motions",
         "",
-        "motions with this in common that one of the two has; with more than one the nearest stands here, may be on another arm, and is not in the median",
+        "motions with this in common that one of the two has; with more than one the nearest is given, may be on another half-branch, and is not in the median",
     ),
 ];
 
 /// A file of results.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FileMeaning {
-    /// Its name; `…` stands for a number.
+    /// Its name; `…` is a number.
     pub name: &'static str,
-    /// What it holds, and when it is written.
+    /// Its contents, and when it is written.
     pub meaning: &'static str,
     /// Its columns, arrays or variables.
     pub columns: &'static [&'static [Column]],

@@ -1,7 +1,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Why a table or a figure could not be made.
+/// Why a table or a figure could not be created.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReportError {
@@ -10,7 +10,7 @@ pub enum ReportError {
     Io {
         /// The file that was to be written.
         path: PathBuf,
-        /// What the operating system said.
+        /// Message of the operating system.
         source: io::Error,
     },
     /// A summary could not be turned into JSON.
@@ -18,18 +18,18 @@ pub enum ReportError {
     Json {
         /// The file that was to be written.
         path: PathBuf,
-        /// What the serialiser said.
+        /// Message of the serialiser.
         source: serde_json::Error,
     },
-    /// Something that a page was to show has no form as text.
+    /// Contents of a page cannot be serialised.
     #[error("cannot show `{title}` on a page: {source}")]
     Unshowable {
         /// Its title.
         title: String,
-        /// What the serialiser said.
+        /// Message of the serialiser.
         source: serde_json::Error,
     },
-    /// The coefficients of a point do not fit into one array with those of the others.
+    /// The coefficients of a point have a shape different from the others.
     #[error(
         "point {point} has coefficients of shape {} x {}, the branch needs {} x {} (coordinates x harmonics + 1)",
         found.0, found.1, expected.0, expected.1
@@ -42,17 +42,17 @@ pub enum ReportError {
         /// Coordinates of the branch and harmonics + 1 of its first point.
         expected: (usize, usize),
     },
-    /// A point was asked for that the branch does not have.
+    /// A requested point does not exist.
     #[error("there is no point {point}: the branch `{branch}` has {n_points}")]
     NoSuchPoint {
-        /// Index that was asked for.
+        /// Requested index.
         point: usize,
         /// Label of the branch.
         branch: String,
         /// Number of its points.
         n_points: usize,
     },
-    /// Not one finite value that the axes of a figure could show.
+    /// There is no finite value that the axes of a figure could show.
     #[error("nothing to draw in the figure `{figure}`: {reason}")]
     NothingToDraw {
         /// The figure.
@@ -63,7 +63,7 @@ pub enum ReportError {
     /// A surface needs two positions along the structure.
     #[error("a surface needs two positions along the structure, found {found} of kind `{kind}`")]
     TooFewPositions {
-        /// Kind of the coordinates that were looked for.
+        /// Kind of the coordinates.
         kind: String,
         /// Number of different positions, clamped ones included.
         found: usize,

@@ -1,4 +1,4 @@
-//! Figures: what a reader sees.
+//! Figures.
 
 mod branch;
 mod contacts;
@@ -46,14 +46,14 @@ pub struct Figure {
     svg: String,
 }
 
-/// Figures are equal when they look equal.
+/// Figures are equal if they look equal.
 impl PartialEq for Figure {
     fn eq(&self, other: &Self) -> bool {
         self.svg == other.svg
     }
 }
 
-/// What a figure shows.
+/// Contents of a figure.
 #[derive(Debug)]
 enum Drawing {
     Chart(Chart),
@@ -100,7 +100,7 @@ impl Figure {
         &self.svg
     }
 
-    /// Writes the document; a file of that name is replaced at once, never half.
+    /// Writes the document; an existing file is replaced atomically.
     ///
     /// # Errors
     /// [`ReportError::Io`] if the file cannot be written.

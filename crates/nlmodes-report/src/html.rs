@@ -1,4 +1,4 @@
-//! The page: everything about some branches in one file that loads nothing.
+//! The page: everything about some branches in one self-contained file.
 
 mod data;
 mod document;
@@ -33,12 +33,12 @@ use std::path::Path;
 /// Motion and force of the contacts at all stops: branch, point; over one period from phase 0, its end included.
 type ContactMotion<'a> = dyn Fn(usize, usize) -> Option<Vec<TimeHistory>> + 'a;
 
-/// `report.html`: one page about some branches, to be opened, shown and printed without a network.
+/// `report.html`: one page about some branches, for viewing and printing without a network.
 ///
-/// It shows frequency over energy and over modal amplitude and the participation of linear modes, to zoom and to hover;
-/// the motion of the structure at a point that is chosen there; time histories; tables of events, internal resonances
-/// and ends; and whatever is added. Without JavaScript the same figures stand still. All texts are escaped, and a
-/// content security policy allows this page's own script and style alone.
+/// It shows frequency over energy and over modal amplitude and the participation of linear modes, with zoom and hover;
+/// the motion of the structure at the selected point; time histories; tables of events, internal resonances and ends;
+/// and added contents. Without JavaScript the same figures are static. All text is escaped, and a content security
+/// policy permits only the page's own script and style.
 ///
 /// ```
 /// # use nlmodes_modal::{BranchEnd, ModalBranch};
@@ -74,7 +74,7 @@ pub struct HtmlReport<'a> {
     documents: Vec<(String, Value)>,
 }
 
-/// The figure that a page is about, where that is not the frequency over the energy.
+/// The main figure of a page, if it is not frequency over energy.
 struct MainFigure {
     title: String,
     still: Figure,
@@ -114,8 +114,8 @@ impl<'a> HtmlReport<'a> {
         self
     }
 
-    /// With a warning above everything else but how the branches ended: what not to use, and what a reader would take
-    /// for granted. It begins with a capital letter, as sentences do.
+    /// With a warning above everything except how the branches ended: numbers not to use, and unmet assumptions. It
+    /// begins with a capital letter.
     pub fn warning(mut self, text: impl Into<String>) -> Self {
         let text = text.into();
         let mut letters = text.chars();
@@ -124,8 +124,8 @@ impl<'a> HtmlReport<'a> {
         self
     }
 
-    /// With a name, for instance `P1`, for point `point` of the branch number `branch`. The last point that has a name
-    /// moves first.
+    /// With a name, for instance `P1`, for point `point` of the branch number `branch`. The last named point is
+    /// animated first.
     pub fn mark(mut self, branch: usize, point: usize, name: impl Into<String>) -> Self {
         self.marks.push((branch, point, name.into()));
         self
@@ -145,25 +145,25 @@ impl<'a> HtmlReport<'a> {
 
     /// With the exact motion and the force of each stop's contact; otherwise contacts move by their harmonics.
     ///
-    /// `motion` takes the branch and the point, gives the contacts in the order of the stops, and is asked once for
-    /// each point that moves on the page.
+    /// `motion` takes the branch and the point, returns the contacts in the order of the stops, and is called once for
+    /// each animated point.
     pub fn contact_motion(mut self, motion: &'a ContactMotion<'a>) -> Self {
         self.contact_motion = Some(motion);
         self
     }
 
-    /// With the motion of a structure in space, which can be turned; left out where it cannot be drawn.
+    /// With the motion of a structure in space, which can be rotated; omitted if it cannot be drawn.
     pub fn wireframe(mut self, wireframe: Wireframe) -> Self {
         self.wireframe = Some(wireframe).filter(Wireframe::is_sound);
         self
     }
 
-    /// With a time history of its own.
+    /// With a separate time history.
     pub fn history(self, name: impl Into<String>, history: &'a TimeHistory) -> Self {
         self.histories(name, &[history])
     }
 
-    /// With time histories over each other, named by their labels; the stop is that of the first.
+    /// With overlaid time histories, named by their labels; the stop is that of the first.
     pub fn histories(self, name: impl Into<String>, histories: &[&'a TimeHistory]) -> Self {
         self.histories_at(name, histories, &[])
     }
@@ -183,22 +183,22 @@ impl<'a> HtmlReport<'a> {
         self
     }
 
-    /// How many modes have a participation at all points of all branches.
+    /// Number of modes with a participation at all points of all branches.
     fn participating_modes(&self) -> usize {
         let factors = self.participation.iter().flat_map(|points| points.iter()).map(|p| p.energy_shares.len());
         if self.participation.len() == self.branches.len() { factors.min().unwrap_or(0) } else { 0 }
     }
 
-    /// With a figure that stands still, before all others: what the page is about.
+    /// With a static main figure, before all others.
     pub fn leading_figure(mut self, title: impl Into<String>, figure: Figure) -> Self {
         self.leading.push((title.into(), figure));
         self
     }
 
-    /// With a quantity more for each point of each branch, which stands among its values and can be an axis; the label
-    /// ends in ` in ` and its unit.
+    /// With an additional quantity for each point of each branch, shown among its values and available as an axis; the
+    /// label ends in ` in ` and its unit.
     ///
-    /// Left out where it has not as many values as there are points.
+    /// Omitted if the number of values differs from the number of points.
     pub fn quantity(mut self, label: impl Into<String>, values: Vec<Vec<f64>>) -> Self {
         let lengths = self.branches.iter().map(|branch| branch.points.len());
         if values.iter().map(Vec::len).eq(lengths) {
@@ -207,15 +207,15 @@ impl<'a> HtmlReport<'a> {
         self
     }
 
-    /// With the figure that the page is about, in which points are hovered and chosen. Its axes are `frequency`,
-    /// `energy`, `amplitude` … of the points, or `quantity0` and so on, the quantities in their order; without the
-    /// script `still` stands there.
+    /// With the main figure, in which points can be hovered and selected. Its axes are `frequency`, `energy`,
+    /// `amplitude` … of the points, or `quantity0` and so on, the quantities in their order; without the script `still`
+    /// is shown.
     pub fn main_figure(mut self, title: impl Into<String>, still: Figure, axes: [&str; 2]) -> Self {
         self.main_figure = Some(MainFigure { title: title.into(), still, axes: axes.map(str::to_owned) });
         self
     }
 
-    /// With points and no line of the branches with these numbers: nothing was measured between them.
+    /// Draws the branches with these numbers as points without a line: nothing was measured between them.
     pub fn scattered(mut self, branches: &[usize]) -> Self {
         self.scattered = branches.to_vec();
         self
@@ -233,19 +233,19 @@ impl<'a> HtmlReport<'a> {
         self.kinds.get(branch).map_or_else(|| palette::curve(branch), |kind| kind.color(before()))
     }
 
-    /// With a figure more, which stands still.
+    /// With an additional static figure.
     pub fn figure(mut self, title: impl Into<String>, figure: Figure) -> Self {
         self.figures.push((title.into(), figure));
         self
     }
 
-    /// With a table more.
+    /// With an additional table.
     pub fn table(mut self, table: DataTable) -> Self {
         self.tables.push(table);
         self
     }
 
-    /// With a table at the foot of the page: how far its numbers can be trusted.
+    /// With a table at the end of the page: how far its numbers can be trusted.
     pub fn closing_table(mut self, table: DataTable) -> Self {
         self.closing.push(table);
         self
@@ -266,11 +266,11 @@ impl<'a> HtmlReport<'a> {
 
     /// The page.
     ///
-    /// Figures that cannot be drawn, because no value is finite, are left out.
+    /// Figures that cannot be drawn, because no value is finite, are omitted.
     ///
     /// # Errors
-    /// [`ReportError::NoSuchPoint`] for a name of a point that does not exist, [`ReportError::SeriesLength`] if a
-    /// series of a time history does not fit its time, or a branch has not as many participations as points.
+    /// [`ReportError::NoSuchPoint`] for the name of a nonexistent point, [`ReportError::SeriesLength`] if a series of a
+    /// time history does not fit its time, or a branch has not as many participations as points.
     pub fn render(&self) -> Result<String, ReportError> {
         self.check_marks()?;
         let sections = self.sections()?;
@@ -278,16 +278,16 @@ impl<'a> HtmlReport<'a> {
         Ok(report_page::page(&self.title, &sections, &data))
     }
 
-    /// What the script of the page knows, as JSON.
+    /// Data for the script of the page, as JSON.
     ///
     /// # Errors
-    /// [`ReportError::NoSuchPoint`] for a name of a point that does not exist.
+    /// [`ReportError::NoSuchPoint`] for the name of a nonexistent point.
     pub fn data(&self) -> Result<String, ReportError> {
         self.check_marks()?;
         Ok(data::Data::new(self).json())
     }
 
-    /// Writes the page; a file of that name is replaced at once, never half.
+    /// Writes the page; an existing file is replaced atomically.
     ///
     /// # Errors
     /// Those of [`HtmlReport::render`], and [`ReportError::Io`] if the file cannot be written.

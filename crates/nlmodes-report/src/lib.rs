@@ -2,16 +2,16 @@
 //!
 //! Everything here starts from a [`ModalBranch`](nlmodes_modal::ModalBranch) or a
 //! [`TimeHistory`](nlmodes_modal::TimeHistory), so that computed and measured modes share files, axes and figures.
-//! Frequencies become hertz here and nowhere before: `f = ω̃ / 2π`.
+//! Frequencies are converted to hertz here and nowhere else: `f = ω̃ / 2π`.
 //!
 //! | item | writes | shows |
 //! | --- | --- | --- |
-//! | [`write_branch`], [`BranchWriter`] | `branch.csv` | a row a point: frequency, energies, amplitudes, contact, events |
-//! | [`write_starts`] | `starts.npz` | displacements from which exact motions start at rest |
-//! | [`write_contacts`] | `contacts.csv` | a row a point and stop: share, forces, impulse, touches |
+//! | [`write_branch`], [`BranchWriter`] | `branch.csv` | one row per point: frequency, energies, amplitudes, contact, events |
+//! | [`write_starts`] | `starts.npz` | initial displacements of exact motions |
+//! | [`write_contacts`] | `contacts.csv` | one row per point and stop: share, forces, impulse, number of contacts |
 //! | [`write_histories`] | `histories.npz` | motion and force of the contacts over a period |
 //! | [`write_matlab`] | `results.mat` | all of these for MATLAB and Octave |
-//! | [`columns`] | | what all files, columns and arrays mean |
+//! | [`columns`] | | meaning of all files, columns and arrays |
 //! | [`write_harmonics`] | `harmonics.npz` | frequencies and complex Fourier coefficients, eq. (7), for NumPy |
 //! | [`write_summary`] | `summary.json` | any serialisable summary |
 //! | [`BranchFigure`] | SVG | frequency over energy (Fig. 3 b) or modal amplitude (Fig. 8 a) |
@@ -20,16 +20,16 @@
 //! | [`HistoryFigure`] | SVG | displacement, velocity, contact force over time (Fig. 9) |
 //! | [`MeasuredFigure`] | SVG | measured damping and mode indicator over modal amplitude (Fig. 10) |
 //! | [`StiffnessFigure`] | SVG | contact force over displacement with the fitted stiffness (Fig. 7 b) |
-//! | [`HtmlReport`] | `report.html` | all of it on one page that loads nothing: figures to zoom and to hover, the modes moving |
+//! | [`HtmlReport`] | `report.html` | everything on one self-contained page: figures with zoom and hover, animated modes |
 //! | [`Page`] | HTML | the frame of such a page, for other contents |
 //! | `print`, with the feature of that name | PDF, PNG | figures in SVG for journals and slides |
-//! | [`SpreadFigure`] | SVG | values of many cases over something that varies, with median and band |
-//! | [`ConvergenceFigure`] | SVG | errors over what makes them small, on logarithmic axes |
+//! | [`SpreadFigure`] | SVG | values of many cases over a variable, with median and band |
+//! | [`ConvergenceFigure`] | SVG | errors over a discretisation parameter, on logarithmic axes |
 //!
 //! Files appear under their name when they are complete; only [`BranchWriter`] grows its file row by row.
 //!
 //! # Example
-//! An oscillator of mass 1 kg and eigenfrequency `ω₀` against a rigid stop at `g₀` swings with amplitude `a ≥ g₀` at
+//! An oscillator of mass 1 kg and eigenfrequency `ω₀` against a rigid stop at `g₀` vibrates with amplitude `a ≥ g₀` at
 //! `ω = π ω₀ / (π − arccos(g₀/a))`.
 //!
 //! ```
@@ -74,9 +74,9 @@
 //!
 //! # Why the figures are drawn here
 //! A figure of a motion needs the stop as a line that the surface hides where it is nearer; the plotting crate that was
-//! tried first (kuva 0.6) has no such line, and its logarithmic axes end at whole decades unless told otherwise. The
-//! modules `chart` and `surface` therefore describe what is shown, and the module `svg`, which alone knows the format,
-//! writes it to a hundredth of a pixel.
+//! tried first (kuva 0.6) has no such line, and its logarithmic axes end at whole decades by default. The modules
+//! `chart` and `surface` therefore describe the contents, and the module `svg`, the only one that knows the format,
+//! writes them to a hundredth of a pixel.
 //!
 //! # Reference
 //! Peter et al., Mechanical Systems and Signal Processing 120 (2019) 793-807: the equations and figures cited here.

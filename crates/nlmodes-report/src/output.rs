@@ -3,7 +3,7 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-/// Writes a file, which is replaced at once, never half.
+/// Writes a file, replacing an existing one atomically.
 ///
 /// # Errors
 /// [`ReportError::Io`] if it cannot be written.
@@ -18,7 +18,7 @@ pub(crate) fn replace_file(
 ) -> Result<(), ReportError> {
     let temporary = temporary_name(path);
     write_all(&temporary, write).and_then(|()| fs::rename(&temporary, path)).map_err(|source| {
-        // The first error is the one to tell; the file may not even exist.
+        // The first error is reported; the file may not even exist.
         let _ = fs::remove_file(&temporary);
         ReportError::Io { path: path.to_path_buf(), source }
     })
@@ -33,12 +33,12 @@ fn write_all(path: &Path, write: impl FnOnce(&mut Output<BufWriter<File>>) -> io
     file.flush()
 }
 
-/// What fails once and is silent from then on: writers of archives that are dropped behind a failure try to write their
-/// end, and would complain of that on standard error, beside the message of the failure itself.
+/// A writer that fails once and is silent from then on: archive writers that are dropped after a failure try to write
+/// their end, and would print this on standard error in addition to the message of the failure itself.
 pub(crate) struct Output<W> {
     inner: W,
     has_failed: bool,
-    /// Where the next byte goes, or would go: writers of archives subtract places from each other behind a failure too.
+    /// Position of the next byte, also after a failure: archive writers compute differences of positions even then.
     position: u64,
 }
 
@@ -49,7 +49,7 @@ impl<W> Output<W> {
             return Ok(otherwise);
         }
         let done = work(&mut self.inner);
-        // What is interrupted is tried again.
+        // Interrupted writes are retried.
         self.has_failed = done.as_ref().is_err_and(|error| error.kind() != io::ErrorKind::Interrupted);
         done
     }
@@ -90,7 +90,7 @@ mod tests {
 
     #[test]
     fn an_archive_on_a_full_disk_fails_once_and_is_silent_when_it_is_dropped() {
-        // Room for so many bytes, and a note of each attempt to write beyond it.
+        // A limited number of bytes, with a record of each attempt to write beyond it.
         struct Full(usize, usize);
         impl Write for Full {
             fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
@@ -113,7 +113,7 @@ mod tests {
         assert!(output.has_failed && output.inner.1 == 1);
         // Eight bytes are there, and 22 would be.
         assert_eq!(output.position, 8 + 22);
-        // A writer that overlooks the failure has not written its file all the same.
+        // Even if a writer overlooks the failure, its file is not written.
         let folder = tempfile::tempdir().unwrap();
         let outcome = replace_file(&folder.path().join("archive"), |file| {
             file.has_failed = true;

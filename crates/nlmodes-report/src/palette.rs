@@ -1,4 +1,4 @@
-//! Colours that readers with colour-blindness tell apart: the set of Okabe and Ito, and viridis for surfaces.
+//! Colours that colour-blind readers can distinguish: the set of Okabe and Ito, and viridis for surfaces.
 
 /// Body text, frames, outlines.
 pub(crate) const INK: &str = "#222222";
@@ -6,14 +6,14 @@ pub(crate) const INK: &str = "#222222";
 pub(crate) const GRID: &str = "#dddddd";
 /// Grid between the labelled ticks.
 pub(crate) const FINE_GRID: &str = "#f0f0f0";
-/// Touching begins.
+/// Contact begins.
 pub(crate) const TOUCHING: &str = "#d62728";
-/// The body leaves.
+/// Contact ends.
 pub(crate) const LEAVING: &str = "#2ca02c";
 
 pub(crate) const CURVES: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"];
 
-/// Stops, their walls and what happens at them: the muted set of Tol, none of which is a colour of a branch.
+/// Stops, their walls and their quantities: the muted set of Tol, distinct from the colours of branches.
 pub(crate) const STOPS: [&str; 7] = ["#332288", "#882255", "#117733", "#999933", "#aa4499", "#44aa99", "#661100"];
 
 const VIRIDIS: [[f64; 3]; 9] = [

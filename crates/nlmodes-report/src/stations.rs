@@ -2,26 +2,26 @@
 
 use nlmodes_modal::ModalBranch;
 
-/// A position along the structure and the coordinate there, none where it is clamped.
+/// A position along the structure and the coordinate there, none if it is clamped.
 pub(crate) type Station = (f64, Option<usize>);
 
-/// Kind of the contact coordinate, or of the first one where there is no contact.
+/// Kind of the contact coordinate, or of the first one if there is no contact.
 pub(crate) fn kind(branch: &ModalBranch) -> &str {
     let index = branch.contact_coordinate.unwrap_or(0);
     branch.coordinates.get(index).map_or("", |coordinate| &coordinate.kind)
 }
 
-/// The motion of a kind of coordinates, without the number of the structure of several: `axial` of `axial-2`.
+/// The motion of a kind of coordinates, without the structure number: `axial` of `axial-2`.
 pub(crate) fn motion_of(kind: &str) -> &str {
     kind.split('-').next().unwrap_or(kind)
 }
 
-/// Where the first contact is.
+/// Position of the first contact.
 pub(crate) fn contact_position(branch: &ModalBranch) -> Option<f64> {
     branch.coordinates.get(branch.contact_coordinate?).map(|coordinate| coordinate.position)
 }
 
-/// All positions in ascending order, each once; a coordinate goes before a clamp.
+/// All positions in ascending order, each once; a coordinate has priority over a clamp.
 pub(crate) fn stations(branch: &ModalBranch, kind: &str, clamped: &[f64]) -> Vec<Station> {
     let coordinates = branch.coordinates.iter().enumerate().filter(|(_, coordinate)| coordinate.kind == kind);
     let free = coordinates.map(|(index, coordinate)| (coordinate.position, Some(index)));
@@ -32,7 +32,7 @@ pub(crate) fn stations(branch: &ModalBranch, kind: &str, clamped: &[f64]) -> Vec
     stations
 }
 
-/// At most `most` stations, evenly chosen, the ends among them, and those at the positions `kept` besides.
+/// At most `most` stations, evenly chosen, including the ends, and in addition those at the positions `kept`.
 pub(crate) fn thinned(stations: Vec<Station>, most: usize, kept: &[f64]) -> Vec<Station> {
     let n = stations.len();
     if n <= most {

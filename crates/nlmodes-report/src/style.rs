@@ -3,12 +3,12 @@ const PIXELS: f64 = 720.0;
 /// Letters of 13 pixels print at 8 points, 2.82 mm.
 const PIXELS_PER_MM: f64 = 13.0 / 2.822;
 
-/// How a figure is drawn, apart from what it shows.
+/// Style of a figure, independent of its contents.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FigureStyle {
     /// Width in print, mm, with letters of 8 points: 90 for a column, 190 for two; without it 720 pixels.
     pub width_mm: Option<f64>,
-    /// Whether the title stands above the figure; a caption may say the same.
+    /// Whether the figure has a title; a caption may replace it.
     pub has_title: bool,
 }
 
@@ -19,7 +19,7 @@ impl Default for FigureStyle {
 }
 
 impl FigureStyle {
-    /// Least width in print, mm: a narrower figure has no room for its numbers.
+    /// Least width in print, mm: a narrower figure has no space for its numbers.
     pub const LEAST_MM: f64 = 60.0;
     /// Largest width in print, mm.
     pub const MOST_MM: f64 = 400.0;

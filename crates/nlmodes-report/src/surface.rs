@@ -3,7 +3,7 @@
 mod draw;
 mod view;
 
-/// What the figure shows; the numbers are in the units of the labels.
+/// Contents of the figure; the numbers are in the units of the labels.
 #[derive(Debug)]
 pub(crate) struct Surface {
     pub title: String,
@@ -12,7 +12,7 @@ pub(crate) struct Surface {
     /// Over time.
     pub y: SurfaceAxis,
     pub z_label: String,
-    /// Heights: a row for each of `x`, a column for each of `y`.
+    /// Heights: one row for each of `x`, one column for each of `y`.
     pub z: Vec<Vec<f64>>,
     /// The stops.
     pub stops: Vec<Line>,

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 const FONTS: &str = "Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif";
 
-/// How a line is drawn.
+/// Line style.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Stroke {
     pub color: &'static str,
@@ -21,7 +21,7 @@ impl Stroke {
         Self { color, width, dash: Some("6 4") }
     }
 
-    /// Short dashes that look like dots, for what is unstable.
+    /// Short dashes that look like dots, for unstable motions.
     pub const fn short_dashed(color: &'static str, width: f64) -> Self {
         Self { color, width, dash: Some("3 3") }
     }
@@ -35,7 +35,7 @@ impl Stroke {
     }
 }
 
-/// Which part of a text stands at its position.
+/// Text anchor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Anchor {
     Start,
@@ -80,20 +80,20 @@ impl Svg {
         self.push(&format!(r#"<path class="{class}" d="{course}" {join} {stroke}/>"#));
     }
 
-    /// What follows is drawn within this rectangle (left, top, width, height), from whose corner its places count,
-    /// until [`Svg::end_part`].
+    /// Subsequent items are clipped to this rectangle (left, top, width, height), with coordinates relative to its
+    /// corner, until [`Svg::end_part`].
     pub fn begin_part(&mut self, (left, top, width, height): (f64, f64, f64, f64)) {
         let (x, y, w, h) = (px(left), px(top), px(width), px(height));
         self.push(&format!(r#"<svg x="{x}" y="{y}" width="{w}" height="{h}">"#));
     }
 
-    /// Ends what [`Svg::begin_part`] began.
+    /// Ends the part begun by [`Svg::begin_part`].
     pub fn end_part(&mut self) {
         self.push("</svg>");
     }
 
     pub fn polygon(&mut self, class: &str, points: &[(f64, f64)], fill: &str, stroke: &Stroke) {
-        // Surfaces have tens of thousands of them, for which the general formatting takes its time.
+        // Surfaces have tens of thousands of them, for which general formatting is slow.
         self.body.extend([r#"<polygon class=""#, &escape(class), r#"" points=""#]);
         push_points(&mut self.body, points);
         self.body.extend([r#"" fill=""#, fill, r#"" "#, &stroke.attributes(), "/>\n"]);
@@ -142,7 +142,7 @@ impl Svg {
         self.body.push('\n');
     }
 
-    /// The whole document, so wide in print where that is given.
+    /// The whole document, with the print width if given.
     pub fn finish(self, width_mm: Option<f64>) -> String {
         let (width, height, body) = (px(self.width), px(self.height), self.body);
         let shown = match width_mm {
@@ -156,7 +156,7 @@ impl Svg {
     }
 }
 
-/// Width of a text in pixels, rather too wide than too narrow: the font is the viewer's.
+/// Width of a text in pixels, a conservative estimate since the font depends on the viewer.
 pub(crate) fn text_width(text: &str, size: f64) -> f64 {
     0.6 * size * text.chars().count() as f64
 }

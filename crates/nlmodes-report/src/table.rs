@@ -1,4 +1,4 @@
-//! Tables: what other programs read.
+//! Tables for other programs.
 
 mod archive;
 mod branch;

@@ -3,9 +3,9 @@
 /// A multiple of an SI unit.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Unit {
-    /// As it stands in the axis label: `mm`, `kN`.
+    /// As in the axis label: `mm`, `kN`.
     pub symbol: String,
-    /// Number of these in one SI unit.
+    /// Number of multiples in one SI unit.
     pub per_si: f64,
 }
 
@@ -45,13 +45,13 @@ impl Unit {
     }
 }
 
-/// Exponent, a multiple of three, of the power of ten that brings `largest` into 0.2 … 200.
+/// Exponent, a multiple of three, of the power of ten that scales `largest` to 0.2 … 200.
 fn thousands(largest: f64) -> Option<i32> {
     let decades = (largest.abs() / 0.2).log10();
     decades.is_finite().then(|| 3 * (decades / 3.0).floor() as i32)
 }
 
-/// An integer in raised digits.
+/// An integer in superscript digits.
 pub(crate) fn superscript(exponent: i32) -> String {
     let raised = |digit: char| match digit {
         '-' => '⁻',

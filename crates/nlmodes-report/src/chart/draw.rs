@@ -6,13 +6,13 @@ use crate::svg::{Anchor, Svg, fitting_size, text_width};
 pub(super) const FONT: f64 = 13.0;
 const TITLE: f64 = 16.0;
 pub(super) const LABEL: f64 = 15.0;
-/// Size of the label of an ordinate that shares its height with others.
+/// Size of the ordinate label of one of several panels.
 pub(super) const SMALL_LABEL: f64 = 13.0;
-/// By how much the label of an ordinate may be longer than its panel is high, pixels.
+/// Permitted excess of the length of an ordinate label over the height of its panel, pixels.
 pub(super) const LABEL_BEYOND: f64 = 12.0;
 /// Largest factor by which panels grow for their labels.
 const HIGHER: f64 = 1.3;
-/// Width of a figure, pixels, below which its legend begins at its edge, and how far from that.
+/// Width of a figure, pixels, below which its legend begins at its edge, and the distance from the edge.
 const NARROW: f64 = 500.0;
 const MARGIN: f64 = 12.0;
 const NOTE: f64 = 11.5;
@@ -28,7 +28,7 @@ impl Chart {
         let height = self.height_with_labels(style);
         let left = self.left_margin(height);
         let room = width - left - RIGHT;
-        // A narrow figure has its legend over all of its width.
+        // In a narrow figure the legend has the full width.
         let legend_left = if width < NARROW { MARGIN } else { left };
         let rows = legend::rows(&self.legend, width - legend_left - RIGHT);
         let title = if style.has_title { self.title.as_str() } else { "" };
@@ -54,14 +54,14 @@ impl Chart {
         svg.finish(style.width_mm)
     }
 
-    /// Height of a panel: where there are several, none is lower than its label is long, unless that is far too long.
+    /// Height of a panel: if there are several, at least the length of its label, unless that is far too long.
     fn height_with_labels(&self, style: &FigureStyle) -> f64 {
         let height = self.panel_height * style.height_share();
         let long = self.panels.iter().map(|panel| text_width(&panel.y.label, SMALL_LABEL)).fold(0.0, f64::max);
         height.max((long - LABEL_BEYOND).min(HIGHER * height))
     }
 
-    /// Room for the widest label of an ordinate.
+    /// Space for the widest ordinate label.
     fn left_margin(&self, height: f64) -> f64 {
         let ticks = self.panels.iter().flat_map(|panel| panel.y.scale.ticks(y_target(height)));
         let widths = ticks.filter_map(|tick| tick.label).map(|label| text_width(&label, FONT));

@@ -6,13 +6,13 @@ use crate::svg::{Anchor, Stroke, Svg};
 const FONT: f64 = 10.5;
 const FRAME: Stroke = Stroke::solid(palette::INK, 0.8);
 const MARK: Stroke = Stroke::dashed("#888888", 0.8);
-/// Width and height over those of the panel.
+/// Width and height relative to those of the panel.
 const SIZE: (f64, f64) = (0.46, 0.42);
-/// Distance from the frame of the panel, and room for the numbers of the inset, pixels.
+/// Distance from the frame of the panel, and space for the numbers of the inset, pixels.
 const AWAY: f64 = 12.0;
 const ROOM: (f64, f64) = (52.0, 18.0);
 
-/// A part of a panel, drawn larger in a corner of it where least is covered.
+/// An inset: an enlarged part of a panel, in the corner where it covers least.
 #[derive(Debug)]
 pub(crate) struct Inset {
     pub x: Axis,
@@ -23,8 +23,8 @@ pub(crate) struct Inset {
 pub(super) type Rectangle = (f64, f64, f64, f64);
 
 impl Inset {
-    /// Draws it into the panel that fills `frame` and returns where it is; `taken` are places of the picture that
-    /// should not be covered, and `outside` is where the panel shows a point.
+    /// Draws it into the panel that fills `frame` and returns where it is; `taken` are parts of the picture that should
+    /// not be covered, and `outside` maps a point to the panel.
     pub(super) fn draw(
         &self,
         svg: &mut Svg,
@@ -40,10 +40,10 @@ impl Inset {
             svg.rectangle((x, y), (w, h), "none", &MARK);
         }
         self.draw_ticks(svg, inner);
-        // A document within the document, which shows nothing outside its frame.
+        // A nested document, clipped to its frame.
         let place = |(x, y): (f64, f64)| {
             let (u, v) = self.x.scale.place(x).zip(self.y.scale.place(y))?;
-            // Coordinates far outside need no precision, and some viewers have none.
+            // Coordinates far outside need no precision, and some viewers cannot handle them.
             Some(((u * inner.2).clamp(-1e5, 1e5), ((1.0 - v) * inner.3).clamp(-1e5, 1e5)))
         };
         svg.begin_part(inner);
@@ -60,7 +60,7 @@ impl Inset {
         own
     }
 
-    /// The rectangle around what the inset shows, within the frame.
+    /// The rectangle around the enlarged part, within the frame.
     fn marked(
         &self,
         (left, top, width, height): Rectangle,

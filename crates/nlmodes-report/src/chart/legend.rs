@@ -2,14 +2,14 @@ use super::Shape;
 use crate::svg::{Anchor, Stroke, Svg, text_width};
 
 const FONT: f64 = 13.0;
-/// Room of a line before its name, of a symbol, and behind a name, pixels.
+/// Space for a line before its name, for a symbol, and after a name, pixels.
 const LINE: f64 = 30.0;
 const SYMBOL: f64 = 20.0;
 const GAP: f64 = 14.0;
 /// Height of a row of the legend, pixels.
 pub(crate) const ROW: f64 = 18.0;
 
-/// What stands before a name in the legend.
+/// The sample before a name in the legend.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Key {
     Line(Stroke),

@@ -1,4 +1,4 @@
-//! Where the names of symbols stand: on nothing else, as far as there is room.
+//! Placement of the names of symbols, without overlap as far as possible.
 
 use super::inset::Rectangle;
 use crate::svg::{Anchor, Stroke, Svg, text_width};
@@ -6,13 +6,13 @@ use crate::svg::{Anchor, Stroke, Svg, text_width};
 const FONT: f64 = 13.0;
 /// Half the width of a symbol with a rim, pixels.
 const SYMBOL: f64 = 7.0;
-/// Distance between the places of a curve at which it is looked for, pixels.
+/// Sampling distance along curves, pixels.
 const STEP: f64 = 4.0;
-/// Least distance of two names on one line, pixels.
+/// Minimum distance of two names on one line, pixels.
 const APART: f64 = 10.0;
 const LEADER: Stroke = Stroke::solid("#666666", 0.7);
 
-/// What is in the picture already.
+/// Items already in the picture.
 #[derive(Debug, Default)]
 pub(super) struct Taken {
     places: Vec<(f64, f64)>,
@@ -20,14 +20,14 @@ pub(super) struct Taken {
     boxes: Vec<Rectangle>,
 }
 
-/// Where a name stands: its rectangle, and from where on it is so far away that a line leads to it.
+/// Position of a name: its rectangle, and the distance above which a line leads to it.
 struct Place {
     rectangle: Rectangle,
     is_far: bool,
 }
 
 impl Place {
-    /// Where the line from the symbol at `at` ends.
+    /// End of the line from the symbol at `at`.
     fn near(&self, at: (f64, f64)) -> (f64, f64) {
         let (x, y, w, h) = self.rectangle;
         (at.0.clamp(x, x + w), at.1.clamp(y, y + h))
@@ -74,8 +74,8 @@ impl Taken {
         &self.places
     }
 
-    /// Writes a name beside the symbol at `at`, within `frame`, where it covers least; one that `may_go` is left out
-    /// where it would cover a symbol or another name.
+    /// Writes a name beside the symbol at `at`, within `frame`, where it covers least; if `may_go`, it is omitted if it
+    /// would cover a symbol or another name.
     pub fn name(&mut self, svg: &mut Svg, frame: Rectangle, at: (f64, f64), name: &str, may_go: bool) {
         let size = (text_width(name, FONT) * 0.92, FONT);
         let candidates = candidates(at, size);
@@ -102,7 +102,7 @@ impl Taken {
         };
         let curves = self.places.iter().filter(|at| holds(1.5, at)).count();
         let symbols = self.symbols.iter().filter(|at| holds(SYMBOL, at)).count();
-        // Beside each other two names read as one.
+        // Two adjacent names would read as one.
         let crosses = |(a, b, c, d): &Rectangle| x < a + c + APART && *a < x + w + APART && y < b + d && *b < y + h;
         let boxes = self.boxes.iter().filter(|other| crosses(other)).count();
         let through = usize::from(place.leads_through(at, &self.boxes));
@@ -113,10 +113,10 @@ impl Taken {
     }
 }
 
-/// What a place costs that hides a symbol, in curves hidden at one place.
+/// Cost of hiding a symbol, in units of hiding a curve at one point.
 const HIDES: f64 = 100.0;
 
-/// Places around a symbol, the preferred ones first.
+/// Positions around a symbol, the preferred ones first.
 fn candidates(at: (f64, f64), (w, h): (f64, f64)) -> impl Iterator<Item = Place> {
     let sides = [(1.0, 0.6), (1.0, -0.6), (-1.0, -0.6), (-1.0, 0.6), (0.0, -1.0), (0.0, 1.0), (1.0, 0.0), (-1.0, 0.0)];
     [8.0, 18.0, 32.0, 50.0].into_iter().enumerate().flat_map(move |(ring, distance)| {
@@ -135,7 +135,7 @@ mod tests {
 
     #[test]
     fn names_stand_on_no_curve_no_symbol_and_no_other_name() {
-        // Symbols on a line that falls, one each 24 pixels, and a second line right of it.
+        // Symbols on a descending line, every 24 pixels, and a second line to the right.
         let mut taken = Taken::default();
         let line: Vec<(f64, f64)> = (0..12).map(|k| (40.0 + 24.0 * f64::from(k), 20.0 + 22.0 * f64::from(k))).collect();
         taken.curve(&line);
@@ -160,7 +160,7 @@ mod tests {
         let mut taken = Taken::default();
         let mut svg = Svg::new(400.0, 300.0);
         taken.symbol((200.0, 150.0));
-        // A mark, the tongue whose tip it is, and tongues of other branches close by.
+        // A mark at the tip of an internal-resonance branch, with those of other branches close by.
         for (shift, name, may_go) in
             [(0.0, "4", false), (0.0, "5:mode 2", true), (3.0, "16:mode 2", true), (-4.0, "17:mode 2", true)]
         {
@@ -172,7 +172,7 @@ mod tests {
                 let is_beside = y + h > *b && b + d > *y;
                 assert!(!is_beside || x - (a + c) >= APART || a - (x + w) >= APART, "{:?}", taken.boxes);
             }
-            // No line to a name runs through another one.
+            // No line to a name crosses another name.
             let place = Place { rectangle: (*x, *y, *w, *h), is_far: true };
             let at = (200.0 + [0.0, 0.0, 3.0, -4.0][k], 150.0);
             let far = (at.0 - place.near(at).0).hypot(at.1 - place.near(at).1) > 25.0;

@@ -34,7 +34,7 @@ impl Frame {
         (self.left, self.top, self.width, self.height)
     }
 
-    /// The pixels of a point; none for what the axes cannot show.
+    /// The pixels of a point; none if it is outside the axes.
     pub fn place(self, x: &Axis, y: &Axis, at: (f64, f64)) -> Option<(f64, f64)> {
         self.x(x, at.0).zip(self.y(y, at.1))
     }
@@ -65,7 +65,7 @@ impl Chart {
             let rectangle = inset.draw(svg, panel, frame.rectangle(), taken.places(), place);
             taken.rectangle(rectangle);
         }
-        // What must be there takes its place first.
+        // Required names are placed first.
         for may_go in [false, true] {
             for (symbol, name) in panel.symbols.iter().filter_map(|symbol| Some((symbol, symbol.name.as_ref()?))) {
                 if let Some(at) = frame.place(&self.x, &panel.y, symbol.at).filter(|_| name.may_go == may_go) {
@@ -81,7 +81,7 @@ impl Chart {
         }
     }
 
-    /// One size for the labels of all axes, in which each has room.
+    /// A common size for the labels of all axes, in which each fits.
     fn label_size(&self, frame: Frame) -> f64 {
         let size = if self.panels.len() > 1 { SMALL_LABEL } else { LABEL };
         let fits = self.panels.iter().map(|panel| fitting_size(&panel.y.label, size, frame.height + LABEL_BEYOND));
@@ -101,7 +101,7 @@ impl Chart {
     }
 }
 
-/// Draws a curve whose points stand where `place` says, and notes where it is.
+/// Draws a curve with points positioned by `place`, and registers its position.
 pub(super) fn draw_curve(
     svg: &mut Svg,
     curve: &Curve,
@@ -148,7 +148,7 @@ fn tick_length(labelled: bool) -> f64 {
 }
 
 impl Symbol {
-    /// Draws it, without its name, with its middle at `at`.
+    /// Draws it, without its name, centred at `at`.
     pub(super) fn draw(&self, svg: &mut Svg, at: (f64, f64)) {
         match self.is_open {
             true => self.shape.draw_open(svg, &self.class, at, self.fill),

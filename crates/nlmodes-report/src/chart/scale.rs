@@ -1,13 +1,13 @@
 use super::ticks::{Tick, linear_ticks, logarithmic_ticks};
 use crate::svg::text_width;
 
-/// Span of values, relative to their size, below which they count as equal: their differences are rounding.
+/// Span of values, relative to their size, below which they are equal to rounding.
 const ROUNDING: f64 = 1e-9;
 /// Span, relative to its value, of a linear axis around equal values.
 const AROUND_EQUAL: f64 = 0.02;
 /// Narrowest span of a logarithmic axis, decades.
 const NARROWEST_DECADES: f64 = 0.1;
-/// Least distance of two labels of an abscissa over the size of their letters.
+/// Minimum distance of two abscissa labels, relative to their font size.
 const BETWEEN: f64 = 1.0;
 
 /// Span of an axis and its division.
@@ -54,7 +54,7 @@ impl Scale {
         }
     }
 
-    /// Where a value lies between the ends, 0 … 1; none for a value that the axis cannot show.
+    /// Position of a value between the ends, 0 … 1; none for a value that the axis cannot show.
     pub fn place(self, value: f64) -> Option<f64> {
         let share = match self {
             Self::Linear { low, high } => (value - low) / (high - low),
@@ -63,8 +63,8 @@ impl Scale {
         share.is_finite().then_some(share)
     }
 
-    /// Ticks within the ends, about `target` of them with a label, and three at least wherever the doubles between the
-    /// ends allow it.
+    /// Ticks within the ends, about `target` of them with a label, and at least three if floating-point resolution
+    /// permits.
     pub fn ticks(self, target: usize) -> Vec<Tick> {
         let of = |target: usize| match self {
             Self::Linear { low, high } => linear_ticks(low, high, target),
@@ -74,8 +74,8 @@ impl Scale {
         (target..target + 6).map(of).find(labelled).unwrap_or_else(|| of(target))
     }
 
-    /// Ticks of an abscissa of this width, pixels, about `most` of them with a label in letters of this size: fewer
-    /// where these have no room, and where even few have none, ticks without.
+    /// Ticks of an abscissa of this width, pixels, about `most` of them with a label in letters of this size: fewer if
+    /// they do not fit, and none if even a few do not fit.
     pub fn ticks_with_room(self, most: usize, width: f64, letters: f64) -> Vec<Tick> {
         let extent = |tick: &Tick| {
             let (middle, half) = (self.place(tick.value)? * width, 0.5 * text_width(tick.label.as_ref()?, letters));

@@ -1,4 +1,4 @@
-//! Curves between computed points: cubic pieces that go beyond none of them.
+//! Curves between computed points: cubic pieces without overshoot.
 
 use nlmodes_modal::monotone_slopes;
 
@@ -6,7 +6,7 @@ use nlmodes_modal::monotone_slopes;
 ///
 /// Both coordinates are interpolated over the length of the chords by cubic Hermite polynomials with the slopes of
 /// Steffen (1990): between two points neither coordinate leaves the interval of its values there, so nothing is shown
-/// that was not computed. At `corners` (indices of points) the slopes on either side do not know of each other.
+/// that was not computed. At `corners` (indices of points) the slopes on either side are independent.
 pub(super) fn controls(points: &[(f64, f64)], corners: &[usize]) -> Vec<[(f64, f64); 2]> {
     let mut found = Vec::with_capacity(points.len().saturating_sub(1));
     let mut start = 0;
@@ -45,7 +45,7 @@ mod tests {
         (sum(|p| p.0), sum(|p| p.1))
     }
 
-    /// Largest distance from an arc of a circle that `n` chords divide, over its radius.
+    /// Largest relative distance of a circular arc from `n` chords.
     fn off_the_arc(n: usize, smooth: bool) -> f64 {
         let on = |k: usize| 0.05 + 0.2 * TAU * k as f64 / n as f64;
         let points: Vec<_> = (0..=n).map(|k| (on(k).cos(), on(k).sin())).collect();
@@ -89,7 +89,7 @@ mod tests {
     fn a_corner_stays_one() {
         let points: Vec<_> = (-3..=3).map(|k| (f64::from(k), f64::from(k).abs())).collect();
         let curve = controls(&points, &[3]);
-        // Straight on both sides: each control point lies on its chord.
+        // Straight on both sides: each control point is on its chord.
         for (k, [a, b]) in curve.iter().enumerate() {
             for (x, y) in [a, b] {
                 assert!((x.abs() - y).abs() < 1e-12, "{k}: {x} {y}");

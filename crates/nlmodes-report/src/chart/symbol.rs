@@ -20,7 +20,7 @@ pub(crate) enum Shape {
 }
 
 impl Shape {
-    /// Name of the shape, for whoever draws it elsewhere.
+    /// Name of the shape, for use elsewhere.
     pub fn name(self) -> &'static str {
         match self {
             Self::Circle => "circle",
@@ -36,12 +36,12 @@ impl Shape {
         }
     }
 
-    /// Draws the symbol with its middle at `at`.
+    /// Draws the symbol centred at `at`.
     pub fn draw(self, svg: &mut Svg, class: &str, at: (f64, f64), fill: &str) {
         self.draw_with(svg, class, at, fill, OUTLINE);
     }
 
-    /// Draws its outline in a colour, so that it tells itself from a dot on a curve.
+    /// Draws its outline in a colour, to distinguish it from a dot on a curve.
     pub fn draw_open(self, svg: &mut Svg, class: &str, at: (f64, f64), color: &'static str) {
         self.draw_with(svg, class, at, "#ffffff", Stroke::solid(color, 1.6));
     }

@@ -1,6 +1,6 @@
 use crate::unit::superscript;
 
-/// A thin space, which stands on both sides of a multiplication sign.
+/// A thin space, used on both sides of a multiplication sign.
 const THIN: char = '\u{2009}';
 
 /// A mark on an axis; without a label between the labelled ones.
@@ -10,7 +10,7 @@ pub(crate) struct Tick {
     pub label: Option<String>,
 }
 
-/// Multiples of 1, 2 or 5 times a power of ten, about `target` of them, with the decimals that tell them apart.
+/// Multiples of 1, 2 or 5 times a power of ten, about `target` of them, with sufficient decimals to distinguish them.
 pub(crate) fn linear_ticks(low: f64, high: f64, target: usize) -> Vec<Tick> {
     let Some(step) = nice_step(low, high, target) else { return Vec::new() };
     let size = low.abs().max(high.abs());
@@ -18,7 +18,7 @@ pub(crate) fn linear_ticks(low: f64, high: f64, target: usize) -> Vec<Tick> {
     multiples(low, high, step).map(|value| Tick { value, label: Some(label(value)) }).collect()
 }
 
-/// Decades where there are several of them, else 1, 2, 5 times a power of ten, else as on a linear axis.
+/// Decades if there are several, otherwise 1, 2, 5 times a power of ten, otherwise as on a linear axis.
 pub(crate) fn logarithmic_ticks(low: f64, high: f64, target: usize) -> Vec<Tick> {
     let decades = (high / low).log10();
     if !decades.is_finite() || decades <= 0.0 {
@@ -66,7 +66,7 @@ fn nice_step(low: f64, high: f64, target: usize) -> Option<f64> {
     let rough = (high - low) / target.max(1) as f64;
     let decade = 10f64.powf(rough.log10().floor());
     let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * decade).into_iter().find(|step| *step >= 0.999 * rough)?;
-    // A step that the doubles between the ends do not resolve would give the same tick again and again.
+    // A step below floating-point resolution would repeat the same tick.
     (step.is_normal() && step > 4.0 * f64::EPSILON * low.abs().max(high.abs())).then_some(step)
 }
 

@@ -6,7 +6,7 @@ use crate::table::{
     PARTICIPATION_COLUMNS, RESPONSE_COLUMNS, START_ARRAYS,
 };
 
-/// The files of results of a structure, in the order in which they are of use.
+/// The results files of a structure, in order of usefulness.
 pub const FILES: [FileMeaning; 22] = [
     FileMeaning {
         name: "branch.csv",
@@ -81,7 +81,7 @@ pub const FILES: [FileMeaning; 22] = [
     },
     FileMeaning {
         name: "summary.json",
-        meaning: "The scene as read, linear frequencies, grazing point, method, `reduction` (open modes, and by how much half as many change the frequency), `contacts` of a structure from files (nodes, normal, gap of each number), `motion` (the point that `motion.pvd` shows), events, internal resonances, stability, why the branch ended, times; under `certificate` which numbers to use, and what was compared to say so",
+        meaning: "The scene as read, linear frequencies, grazing point, method, `reduction` (free-interface modes, and by how much half as many change the frequency), `contacts` of a structure from files (nodes, normal, gap of each number), `motion` (the point that `motion.pvd` shows), events, internal resonances, stability, why the branch ended, times; under `certificate` which numbers to use, and what was compared to say so",
         columns: &[],
     },
     FileMeaning {
@@ -103,7 +103,7 @@ pub const FILES: [FileMeaning; 22] = [
     FileMeaning { name: "steps.jsonl", meaning: "The steps, from which `run --resume` goes on", columns: &[] },
     FileMeaning {
         name: "branch_…/",
-        meaning: "Further branches of a run that follows all arms of its branch points, with the same tables",
+        meaning: "Further branches of a run that follows all half-branches of its branch points, with the same tables",
         columns: &[&[] as &[Column]],
     },
 ];

@@ -13,10 +13,10 @@ use nlmodes_modal::{Event, ModalBranch, ModalPoint, Tongue, tongues};
 use pieces::{State, branch_stroke, pieces};
 use std::f64::consts::TAU;
 
-/// Share of the axis of amplitudes below which the points begin if it goes down to zero.
+/// Fraction of the amplitude axis within which the points must begin if it extends to zero.
 const FROM_ZERO: f64 = 0.5;
 
-/// Over what the frequency of a nonlinear mode is drawn.
+/// Abscissa for the frequency of a nonlinear mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Abscissa {
@@ -28,7 +28,7 @@ pub enum Abscissa {
 
 /// Frequency of nonlinear modes over energy or amplitude: several branches in one figure.
 ///
-/// Each event has its own symbol. Where a branch starts at grazing, the linear mode below is drawn as a dashed line.
+/// Each event has its own symbol. If a branch starts at grazing, the linear mode below is drawn as a dashed line.
 #[derive(Debug, Clone)]
 pub struct BranchFigure<'a> {
     abscissa: Abscissa,
@@ -56,7 +56,7 @@ impl<'a> BranchFigure<'a> {
         self
     }
 
-    /// With points and no line of the branches with these numbers: nothing was measured between them.
+    /// Draws the branches with these numbers as points without a line: nothing was measured between them.
     pub fn scattered(mut self, branches: &[usize]) -> Self {
         self.scattered = branches.to_vec();
         self
@@ -72,7 +72,7 @@ impl<'a> BranchFigure<'a> {
     pub fn render(&self) -> Result<Figure, ReportError> {
         let mut events = EventSymbols::default();
         let (x, y) = self.scales()?;
-        // Dots that only carry names lie below what happens there.
+        // Dots that only carry names are drawn below the events.
         let mut symbols = self.mark_symbols()?;
         symbols.extend(self.points());
         symbols.extend(self.tongue_symbols());
@@ -124,7 +124,7 @@ impl<'a> BranchFigure<'a> {
         lines.collect()
     }
 
-    /// The lines of all branches, what lies behind first.
+    /// The lines of all branches, from back to front.
     fn curves(&self) -> impl Iterator<Item = Curve> {
         let branches = self.branches.iter().enumerate().filter(|(index, _)| !self.scattered.contains(index));
         let all =
@@ -152,7 +152,7 @@ impl<'a> BranchFigure<'a> {
         })
     }
 
-    /// A dashed line for each tongue that was left out, from foot to foot.
+    /// A dashed line for each internal-resonance branch that was skipped, between its base points.
     fn skipped(&self) -> impl Iterator<Item = Curve> {
         self.branches.iter().enumerate().flat_map(move |(index, branch)| {
             let feet = branch.points.windows(2).filter(|pair| pair[1].has_event(Event::Resumed));
@@ -163,8 +163,8 @@ impl<'a> BranchFigure<'a> {
         })
     }
 
-    /// The name of each tongue beside its tip, or beside its first foot where it was left out; the largest first, for
-    /// some have no room.
+    /// The name of each internal resonance beside its tip, or beside its first base point if it was skipped; the
+    /// largest first, since some may not fit.
     fn tongue_symbols(&self) -> Vec<Symbol> {
         let of_branch = |branch: &&ModalBranch| {
             let symbol = |tongue: Tongue| {
@@ -229,7 +229,7 @@ impl<'a> BranchFigure<'a> {
             true => Key::Open(Shape::Circle, palette::curve(index)),
             false => Key::Line(branch_stroke(index)),
         };
-        // What has no point in this figure, such as a test without energies over energy, has no place in its legend.
+        // Curves without points in this figure, such as a test without energies, are not in its legend.
         let branches = branches.filter(|(_, branch)| branch.points.iter().any(|point| self.is_visible(point)));
         let branches = branches.map(|(index, branch)| LegendEntry { key: key(index), name: branch.label.clone() });
         let linear = has_linear_mode.then(|| entry(Stroke::dashed(palette::INK, 1.6), "linear mode"));
@@ -270,8 +270,8 @@ impl Abscissa {
         }
     }
 
-    /// Axis over `values` with room for the linear mode below `grazing`: all of it, or a fifth of an axis whose points
-    /// lie far from zero.
+    /// Axis over `values` with room for the linear mode below `grazing`: all of it, or a fifth of the axis if the
+    /// points are far from zero.
     fn scale(self, values: impl Iterator<Item = f64>, grazing: Option<f64>) -> Option<Scale> {
         match self {
             Self::Energy => {

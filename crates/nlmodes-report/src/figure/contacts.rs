@@ -9,13 +9,13 @@ use crate::svg::Stroke;
 use crate::unit::Unit;
 use nlmodes_modal::{ContactPeriod, Event, ModalBranch, ModalPoint};
 
-/// Most stops in one figure.
+/// Maximum number of stops in one figure.
 const MAX_STOPS: usize = 10;
 
-/// Share of the period, impulse a period and largest force of each stop over the frequency: a panel each, a curve a
+/// Share of the period, impulse per period and largest force of each stop over frequency: one panel each, one curve per
 /// stop.
 ///
-/// Of more than ten stops those with the largest impulses are shown.
+/// With more than ten stops, those with the largest impulses are shown.
 #[derive(Debug, Clone)]
 pub struct ContactFigure<'a> {
     branch: &'a ModalBranch,
@@ -23,7 +23,7 @@ pub struct ContactFigure<'a> {
     title: String,
 }
 
-/// One quantity of a contact and how it is shown.
+/// One quantity of a contact and its axis.
 struct Quantity {
     name: &'static str,
     unit: fn(f64) -> Unit,
@@ -37,7 +37,7 @@ const QUANTITIES: [Quantity; 3] = [
         value: |c| c.closed_share,
     },
     Quantity { name: "impulse a period", unit: |most| Unit::both("N s", most), value: |c| c.impulse },
-    // The largest force of a blow need not converge with harmonics.
+    // The largest force of a short contact need not converge with harmonics.
     Quantity { name: "largest force*", unit: |most| Unit::coarse("N", most), value: |c| c.peak_force },
 ];
 
@@ -72,7 +72,7 @@ impl<'a> ContactFigure<'a> {
         Ok(Figure::from(Chart { title, x, panels, panel_height, legend, note, inset: None }))
     }
 
-    /// What stands below the figure.
+    /// The note below the figure.
     fn note(&self, shown: usize) -> String {
         let more = self.n_stops().saturating_sub(shown);
         let more = if more > 0 {

@@ -4,9 +4,10 @@ use crate::chart::{Axis, Chart, Curve, Key, LegendEntry, Panel, Scale, Shape, Sy
 use crate::palette;
 use crate::svg::Stroke;
 
-/// An error over what makes it small, both on logarithmic axes: a power law is a straight line, its exponent the slope.
+/// An error over a discretisation parameter, both on logarithmic axes: a power law is a straight line whose slope is
+/// the exponent.
 ///
-/// Several series in one figure, a dot at each value. Values that are not positive interrupt their line.
+/// Several series in one figure, with a dot at each value. Nonpositive values interrupt the line.
 #[derive(Debug, Clone)]
 pub struct ConvergenceFigure<'a> {
     x_label: &'a str,
@@ -64,7 +65,7 @@ impl<'a> ConvergenceFigure<'a> {
         Ok(Figure::from(Chart::of_panel(self.title.to_owned(), x, panel, legend)))
     }
 
-    /// The series with their strokes; references are grey and take no colour away.
+    /// The series with their strokes; references are grey and use no colour of the palette.
     fn strokes(&self) -> impl Iterator<Item = (&Series<'a>, Stroke)> {
         let mut colours = 0..;
         self.series.iter().map(move |series| {

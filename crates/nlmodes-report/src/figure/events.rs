@@ -28,7 +28,7 @@ pub(crate) struct EventSymbols {
 }
 
 impl EventSymbols {
-    /// The symbol of an event; one without a symbol of its own gets one that is still free.
+    /// The symbol of an event; one without its own symbol gets an unused one.
     pub fn of(&mut self, event: Event) -> (Shape, &'static str) {
         if let Some((_, shape, fill)) = self.found.iter().find(|(known, ..)| *known == event) {
             return (*shape, *fill);
@@ -45,7 +45,7 @@ impl EventSymbols {
         (FURTHER[index % FURTHER.len()], FURTHER_COLORS[index / FURTHER.len() % FURTHER_COLORS.len()])
     }
 
-    /// What an event means, in a sentence without its full stop; empty for one without a meaning of its own.
+    /// Meaning of an event, as a sentence without full stop; empty for one without its own description.
     pub fn meaning(event: Event) -> &'static str {
         match event {
             Event::Grazing => "the motion just touches a stop; below it the mode is the linear one",
@@ -73,7 +73,7 @@ impl EventSymbols {
         }
     }
 
-    /// Where an event is drawn: what is rarer and says more lies above what may hide it.
+    /// Drawing order of an event: rarer and more informative ones above others.
     pub fn layer(event: Event) -> usize {
         TOPMOST.iter().position(|top| *top == event).map_or(0, |place| place + 1)
     }

@@ -11,11 +11,11 @@ const TOUCHING: (Shape, &str) = (Shape::Circle, palette::TOUCHING);
 const LEAVING: (Shape, &str) = (Shape::Square, palette::LEAVING);
 const INSTANT: Stroke = Stroke { color: "#999999", width: 0.8, dash: Some("2 3") };
 
-/// Displacement, velocity and contact force over time, as in Fig. 9: a panel each, several histories in each.
+/// Displacement, velocity and contact force over time, as in Fig. 9: one panel each, several histories in each.
 ///
 /// Histories at several stops have the colours of these stops, those of several branches at one stop the colours of the
-/// branches; the stops themselves are lines of their colours. Touching is marked red, leaving green, with different
-/// symbols, of several histories in the colour of the curve.
+/// branches; the stops themselves are lines of their colours. The beginning of contact is marked red, its end green,
+/// with different symbols; with several histories, in the colour of the curve.
 #[derive(Debug, Clone)]
 pub struct HistoryFigure<'a> {
     histories: &'a [&'a TimeHistory],
@@ -24,7 +24,7 @@ pub struct HistoryFigure<'a> {
     has_acceleration: bool,
 }
 
-/// One quantity of a history and how it is shown.
+/// One quantity of a history and its axis.
 struct Quantity {
     name: &'static str,
     unit: fn(f64) -> Unit,
@@ -73,8 +73,8 @@ impl<'a> HistoryFigure<'a> {
     /// Draws the figure.
     ///
     /// # Errors
-    /// [`ReportError::SeriesLength`] if a series does not fit its time, [`ReportError::NothingToDraw`] if there is no
-    /// finite time or one of the panels would be without a finite value.
+    /// [`ReportError::SeriesLength`] if a series does not match its time, [`ReportError::NothingToDraw`] if there is no
+    /// finite time or a panel has no finite value.
     pub fn render(&self) -> Result<Figure, ReportError> {
         let quantities = self.quantities();
         for history in self.histories {
@@ -142,7 +142,7 @@ impl<'a> HistoryFigure<'a> {
         histories.flat_map(|(index, history)| history.instants.iter().map(move |instant| (index, *history, instant)))
     }
 
-    /// Instants of touching and leaving, on the displacement only: the others may jump there.
+    /// Instants at which contact begins and ends, on the displacement only: the other quantities may jump there.
     fn symbols(&self, quantity: &Quantity, per_second: f64, per_si: f64) -> Vec<Symbol> {
         let instants = self.instants().filter(|_| quantity.name == DISPLACEMENT.name);
         let symbols = instants.filter_map(|(index, history, instant)| {
@@ -173,7 +173,7 @@ impl<'a> HistoryFigure<'a> {
             key: Key::Symbol(shape, if several { "#ffffff" } else { fill }),
             name: name.into(),
         });
-        // Curves in the colours of their stops name these already.
+        // Curves in the colours of their stops already identify them.
         let is_named = (0..self.histories.len()).any(|index| self.look.wall(index) == self.stroke(index).color);
         let wall = Key::Line(Stroke::solid(self.look.wall(0), 2.4));
         let stop = (!is_named).then(|| LegendEntry { key: wall, name: "stop".into() });

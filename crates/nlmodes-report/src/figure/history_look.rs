@@ -1,11 +1,11 @@
-//! Colours of histories that lie over each other and of the walls at which they end: alike in figures and on the page.
+//! Colours of overlaid histories and of their walls, identical in figures and on the page.
 
 use crate::palette;
 
-/// What tells histories in one figure apart.
+/// Distinguishing features of the histories in one figure.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct HistoryLook {
-    /// Number of the stop of each history; stop 0 where nothing is known.
+    /// Number of the stop of each history; stop 0 if unknown.
     stops: Vec<usize>,
 }
 
@@ -19,8 +19,8 @@ impl HistoryLook {
         self.stops.get(index).copied().unwrap_or(0)
     }
 
-    /// Colour of the curve number `index` of so many: ink where it is alone, that of its stop where the stops differ,
-    /// else that of its branch.
+    /// Colour of the curve number `index` of this many: black if it is the only one, that of its stop if the stops
+    /// differ, otherwise that of its branch.
     pub fn curve(&self, index: usize, count: usize) -> &'static str {
         let one_stop = (0..count).all(|other| self.stop(other) == self.stop(0));
         match (count, one_stop) {
@@ -30,7 +30,7 @@ impl HistoryLook {
         }
     }
 
-    /// Whether the curve number `index` of so many is dashed, because a stop with a lower number has its colour.
+    /// Whether the curve number `index` of this many is dashed, because a stop with a lower number has its colour.
     pub fn is_dashed(&self, index: usize, count: usize) -> bool {
         count > 1 && self.curve(index, count) == self.wall(index) && !palette::is_first_round(self.stop(index))
     }
@@ -54,7 +54,7 @@ mod tests {
         assert_eq!([branches.curve(0, 2), branches.curve(1, 2)], [palette::curve(0), palette::curve(1)]);
         assert_eq!(branches.wall(1), palette::stop(3));
         assert_eq!(HistoryLook::default().curve(0, 1), palette::INK);
-        // No colour of a stop is that of a branch, of touching or of leaving.
+        // Stop colours differ from those of branches and of contact marks.
         for stop in palette::STOPS {
             assert!(!palette::CURVES.contains(&stop) && ![palette::TOUCHING, palette::LEAVING].contains(&stop));
         }

@@ -4,8 +4,8 @@ use crate::chart::{Axis, Chart, Curve, Panel, Scale, Shape, Symbol};
 use crate::palette;
 use crate::svg::Stroke;
 
-/// Measured figures over the modal amplitude, as in Fig. 10, or over another quantity: a panel each, a dot a record,
-/// with a bar of its uncertainty or spread.
+/// Measured figures over the modal amplitude, as in Fig. 10, or over another quantity: one panel each, one dot per
+/// record, with a bar for its uncertainty or scatter.
 ///
 /// Values that are not finite are left out.
 #[derive(Debug, Clone)]
@@ -31,7 +31,7 @@ impl<'a> MeasuredFigure<'a> {
         }
     }
 
-    /// Over something else than modal amplitudes; `label` holds the unit.
+    /// Over a quantity other than modal amplitude; `label` has the unit.
     pub fn over(mut self, label: &'a str) -> Self {
         self.x_label = label;
         self
@@ -43,19 +43,19 @@ impl<'a> MeasuredFigure<'a> {
         self
     }
 
-    /// Without a line from record to record, whose order says nothing then.
+    /// Without a line between records, if their order is meaningless.
     pub fn scattered(mut self) -> Self {
         self.is_scattered = true;
         self
     }
 
-    /// With what the bars mean, below the figure.
+    /// With the meaning of the bars, below the figure.
     pub fn bars(mut self, meaning: &'a str) -> Self {
         self.bars = Some(meaning);
         self
     }
 
-    /// With a panel of values and their standard errors, one pair a record; `label` holds the unit.
+    /// With a panel of values and their standard errors, one pair per record; `label` has the unit.
     pub fn panel(mut self, label: &'a str, values: &'a [(f64, f64)]) -> Self {
         self.panels.push((label, values));
         self
@@ -64,7 +64,7 @@ impl<'a> MeasuredFigure<'a> {
     /// Draws the figure.
     ///
     /// # Errors
-    /// [`ReportError::NothingToDraw`] without amplitudes, or where a panel has no finite value.
+    /// [`ReportError::NothingToDraw`] without amplitudes, or if a panel has no finite value.
     pub fn render(&self) -> Result<Figure, ReportError> {
         let nothing = |reason| ReportError::NothingToDraw { figure: "measured figures", reason };
         let finite = self.abscissae.iter().copied().filter(|x| x.is_finite());

@@ -9,13 +9,13 @@ use nlmodes_modal::{ModalBranch, ModalPoint};
 use std::f64::consts::TAU;
 
 const N_TIMES: usize = 64;
-/// More positions than these would hide the surface under its own lines.
+/// Maximum number of positions: more lines would hide the surface.
 const MAX_POSITIONS: usize = 41;
 
 /// Motion of the structure over one period as a surface over position and time, as in Fig. 4, with a line at each stop.
 ///
-/// It shows the coordinates of the kind (`axial`, `deflection`) of the contact, or of the first coordinate where there
-/// is no contact.
+/// It shows the coordinates of the kind (`axial`, `deflection`) of the contact, or of the first coordinate if there is
+/// no contact.
 #[derive(Debug, Clone)]
 pub struct MotionFigure<'a> {
     branch: &'a ModalBranch,

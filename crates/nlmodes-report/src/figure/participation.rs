@@ -6,11 +6,11 @@ use crate::palette;
 use crate::svg::Stroke;
 use nlmodes_modal::{Event, ModalBranch, ModalPoint, Participation};
 
-/// Shares of the lowest linear modes in the kinetic energy over the modal amplitude: a panel for each mode from 0 to 1,
+/// Shares of the lowest linear modes in the kinetic energy over the modal amplitude: one panel per mode from 0 to 1,
 /// several branches in each.
 ///
-/// The participation factors of eq. (30) are normalised by the fundamental at a contact and grow beyond all bounds
-/// where that vanishes, as on the tip of an internal resonance; the shares in the energy do not.
+/// The participation factors of eq. (30) are normalised by the fundamental at a contact and become unbounded where that
+/// vanishes, as at the tip of an internal-resonance branch; the shares in the energy do not.
 #[derive(Debug, Clone)]
 pub struct ParticipationFigure<'a> {
     branches: &'a [(&'a ModalBranch, &'a [Participation])],

@@ -5,10 +5,10 @@ use crate::palette;
 use crate::svg::Stroke;
 use crate::unit::Unit;
 
-/// What a curve of a [`ResponseFigure`] is, which says how it is drawn.
+/// Kind of a curve of a [`ResponseFigure`], which determines its style.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LineKind {
-    /// A response to a load, in a colour of its own.
+    /// A response to a load, in its own colour.
     Response,
     /// A nonlinear mode, conservative: a wide grey line below the others.
     Mode,
@@ -16,12 +16,12 @@ pub enum LineKind {
     DampedMode,
     /// Phase resonance: a thin brown line.
     Resonance,
-    /// Measured points that nothing joins: a circle each.
+    /// Measured points, as unconnected circles.
     Measured,
 }
 
 impl LineKind {
-    /// Its colour; of a response that of the response with this number.
+    /// Its colour; for a response that of the response with this number.
     pub(crate) fn color(self, response: usize) -> &'static str {
         match self {
             Self::Response | Self::Measured => palette::curve(response),
@@ -39,17 +39,17 @@ pub struct ResponseLine {
     pub name: String,
     /// What it is.
     pub kind: LineKind,
-    /// Abscissa, ordinate, and whether the motion is stable; of a curve for which that is known anywhere, what is not
-    /// known is drawn thin.
+    /// Abscissa, ordinate, and whether the motion is stable; if this is known anywhere on a curve, unknown segments are
+    /// drawn thin.
     pub points: Vec<(f64, f64, Option<bool>)>,
 }
 
-/// What an axis shows, in SI units; prefixes are chosen here.
+/// Quantity of an axis, in SI units; prefixes are chosen here.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Quantity {
-    /// What it is, as `frequency`.
+    /// Its name, such as `frequency`.
     pub name: String,
-    /// Its unit, as `Hz`; empty for none.
+    /// Its unit, such as `Hz`; empty for none.
     pub unit: String,
     /// Whether the axis is logarithmic.
     pub is_logarithmic: bool,
@@ -87,8 +87,8 @@ impl Quantity {
     }
 }
 
-/// Curves of responses, phase resonance and nonlinear modes over one abscissa: what is stable solid, what is not
-/// dashed, what is uncertain thin.
+/// Curves of responses, phase resonance and nonlinear modes over one abscissa: stable solid, unstable dashed, uncertain
+/// thin.
 #[derive(Debug, Clone)]
 pub struct ResponseFigure<'a> {
     lines: &'a [ResponseLine],
@@ -112,7 +112,7 @@ impl<'a> ResponseFigure<'a> {
         self
     }
 
-    /// With a dot at these coordinates, and a name beside it where it is not empty.
+    /// With a dot at these coordinates, and a name beside it if it is not empty.
     pub fn mark(mut self, x: f64, y: f64, name: impl Into<String>) -> Self {
         self.marks.push((x, y, name.into()));
         self
@@ -128,7 +128,7 @@ impl<'a> ResponseFigure<'a> {
         let (x, per_x) = self.axes[0].axis(all().map(|p| p.0), 0.03).ok_or_else(nothing)?;
         let (y, per_y) = self.axes[1].axis(all().map(|p| p.1), 0.06).ok_or_else(nothing)?;
         let mut order: Vec<&ResponseLine> = self.lines.iter().collect();
-        // Wide lines lie below narrow ones.
+        // Wide lines are drawn below narrow ones.
         order.sort_by_key(|line| match line.kind {
             LineKind::Mode => 0,
             LineKind::DampedMode => 1,
@@ -208,10 +208,10 @@ impl<'a> ResponseFigure<'a> {
     }
 }
 
-/// What is known of the stability of a motion.
+/// Stability of a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum State {
-    /// It is stable, or nobody asked.
+    /// It is stable, or stability was not requested.
     Stable,
     Unstable,
     Uncertain,
@@ -238,7 +238,7 @@ impl ResponseLine {
     }
 }
 
-/// Stretches of one stability; each goes on to the first point of the next.
+/// Segments of constant stability; each extends to the first point of the next.
 fn pieces(line: &ResponseLine, stroke: Stroke, per_si: [f64; 2]) -> Vec<Curve> {
     let mut curves: Vec<Curve> = Vec::new();
     let at = |p: &(f64, f64, Option<bool>)| (p.0 * per_si[0], p.1 * per_si[1]);

@@ -3,7 +3,7 @@ use crate::ReportError;
 use crate::chart::{Axis, Chart, Curve, Key, LegendEntry, Panel, Scale, Shape, Symbol};
 use crate::svg::Stroke;
 
-/// Values of many cases over something that varies: a dot a case, median and band over them.
+/// Values of many cases over a variable: one dot per case, with median and band.
 #[derive(Debug, Clone)]
 pub struct SpreadFigure<'a> {
     x_label: &'a str,
@@ -38,7 +38,7 @@ impl<'a> SpreadFigure<'a> {
         self
     }
 
-    /// With a dashed line at a limit of the points; an empty name has no place in the legend.
+    /// With a dashed line at a limit of the points; an empty name is not in the legend.
     pub fn limit(mut self, name: &'a str, points: &'a [(f64, f64)]) -> Self {
         self.lines.push(Line { name, points, is_limit: true });
         self

@@ -6,9 +6,9 @@ use crate::svg::Stroke;
 use crate::unit::Unit;
 use nlmodes_modal::{ContactStiffness, TimeHistory};
 
-/// Most samples that are drawn: more would cover the line.
+/// Maximum number of samples drawn: more would cover the line.
 const MAX_SAMPLES: usize = 120;
-/// Samples on the open side of the stop, over the deepest penetration.
+/// Range on the open side of the stop, relative to the deepest penetration.
 const OPEN_SIDE: f64 = 0.5;
 
 /// Contact force over displacement next to the stop, with the line of the contact stiffness, as in Fig. 7 b.

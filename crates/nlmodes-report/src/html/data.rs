@@ -1,4 +1,4 @@
-//! What the script of the page knows.
+//! Data for the script of the page.
 
 use super::HtmlReport;
 use super::history::HistoryData;
@@ -28,7 +28,7 @@ pub(super) struct Data {
     /// Names, with units, of the quantities that this page adds.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     quantities: Vec<String>,
-    /// Abscissa and ordinate of the figure that the page is about.
+    /// Abscissa and ordinate of the main figure.
     #[serde(skip_serializing_if = "Option::is_none")]
     main_axes: Option<[String; 2]>,
 }
@@ -38,28 +38,28 @@ struct EventSymbol {
     name: String,
     shape: &'static str,
     fill: &'static str,
-    /// Place among those drawn over each other; the highest is on top.
+    /// Drawing order; the highest is on top.
     layer: usize,
-    /// What it means; empty where that is not known.
+    /// Its meaning; empty if unknown.
     meaning: &'static str,
 }
 
 #[derive(Serialize)]
 struct Colors {
-    /// Of the branches, repeated after the last.
+    /// Colours of the branches, repeated after the last.
     branches: Vec<&'static str>,
     touching: &'static str,
     leaving: &'static str,
-    /// Of the stops, repeated after the last.
+    /// Colours of the stops, repeated after the last.
     stops: Vec<&'static str>,
 }
 
-/// What a stop does at each point.
+/// Quantities of a stop at each point.
 #[derive(Serialize)]
 struct StopColumns {
     /// Share of the period.
     closed: Column,
-    /// N·s a period.
+    /// N·s per period.
     impulse: Column,
     /// Largest, N.
     force: Column,
@@ -79,7 +79,7 @@ impl StopColumns {
 struct BranchData {
     label: String,
     color: &'static str,
-    /// Whether its points are measured ones with nothing between them.
+    /// Whether its points are measured and not connected.
     scattered: bool,
     /// Hz.
     frequency: Vec<f64>,
@@ -90,25 +90,25 @@ struct BranchData {
     contact_fraction: Column,
     contact_intervals: Vec<usize>,
     force: Column,
-    /// Where there are several stops, or one with an impulse: what each does.
+    /// Quantities of each stop, if there are several or one with an impulse.
     stops: Vec<StopColumns>,
     residual: Column,
     /// Share of each harmonic in the averaged kinetic energy.
     shares: (usize, Column),
     events: BTreeMap<usize, Vec<&'static str>>,
     resonance: BTreeMap<usize, String>,
-    /// Points that are unstable, and the magnitude of the largest Floquet multiplier of each point where it is known.
+    /// Points that are unstable, and the magnitude of the largest Floquet multiplier of each point, if known.
     unstable: Vec<usize>,
     multiplier: BTreeMap<usize, f64>,
-    /// Points that do not come from the one before.
+    /// Points that are not connected to the previous one.
     resumed: Vec<usize>,
     /// Point at the end of the branch at which the linear mode ends.
     grazing: Option<usize>,
-    /// Point and name of each tongue.
+    /// Point and name of each internal-resonance branch.
     tongues: Vec<(usize, String)>,
-    /// Share of each linear mode in the kinetic energy; none where it is not known.
+    /// Share of each linear mode in the kinetic energy; none if unknown.
     participation: Vec<Column>,
-    /// What the page adds.
+    /// Quantities added by the page.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     extra: Vec<Column>,
     motion: Option<MotionData>,
@@ -148,7 +148,7 @@ impl Data {
         }
     }
 
-    /// As JSON that may stand within a `script` element: no `<`, `>` or `&`.
+    /// As JSON that can be embedded in a `script` element: no `<`, `>` or `&`.
     pub fn json(&self) -> String {
         // Maps with integer keys, vectors and numbers always have a JSON form.
         let text = serde_json::to_string(self).unwrap_or_else(|_| "null".into());
@@ -174,7 +174,7 @@ impl BranchData {
             label: branch.label.clone(),
             color: report.color(index),
             scattered: report.scattered.contains(&index),
-            // Tips of tongues are narrow: ten digits.
+            // Tips of internal-resonance branches are narrow: ten digits.
             frequency: column(10, &|point| point.omega / TAU),
             energy: column(10, &|point| point.kinetic_energy),
             amplitude: column(10, &|point| point.modal_amplitude),
@@ -212,7 +212,7 @@ pub(super) fn stops(report: &HtmlReport<'_>, branch: &ModalBranch) -> Vec<StopLi
             let is_same = branch.coordinates.get(stop.coordinate) == Some(wanted);
             if is_same { Some(stop.coordinate) } else { branch.coordinates.iter().position(|c| c == wanted) }
         };
-        // One that the branch lacks keeps its place in the order.
+        // A stop that the branch lacks keeps its index.
         let moved = |stop: &StopLine| StopLine { coordinate: place(stop).unwrap_or(usize::MAX), ..*stop };
         return report.stops.iter().map(moved).collect();
     }

@@ -11,7 +11,7 @@ pub(super) fn tree(value: &Value) -> String {
             let entry = |(name, value): (&String, &Value)| {
                 let unit = if holds_numbers(value) { unit(name) } else { "" };
                 let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-                // Stops are numbered from 0 wherever they are named.
+                // Stops are numbered from 0 everywhere.
                 let content = match value {
                     Value::Array(values) if name == "contacts" => list(values, 0),
                     value => tree(value),
@@ -33,7 +33,7 @@ pub(super) fn tree(value: &Value) -> String {
     }
 }
 
-/// What stands beside a name; what has parts takes lines of its own where there is little room.
+/// The value beside a name; a nested value has its own lines if space is limited.
 fn described(content: &str) -> String {
     let class = if content.starts_with("<dl") { " class=\"parts\"" } else { "" };
     format!("<dd{class}>{content}</dd>")
@@ -46,8 +46,8 @@ fn list(values: &[Value], first: usize) -> String {
     format!("<dl class=\"tree\">{entries}</dl>")
 }
 
-/// Names of quantities in SI units whose unit is no part of the name; masses and stiffnesses are none of them, for they
-/// have several.
+/// Names of quantities in SI units without a unit suffix; masses and stiffnesses are not included, since they have
+/// several units.
 const UNITS: [(&str, &[&str]); 10] = [
     (
         "m",
@@ -75,7 +75,7 @@ const UNITS: [(&str, &[&str]); 10] = [
     ("Hz", &["sample_rate"]),
     ("s", &["delay"]),
 ];
-/// Endings of names that are units, and how they are written.
+/// Unit suffixes of names, and their notation.
 const ENDINGS: [(&str, &str); 11] = [
     ("_kg_m3", "kg/m³"),
     ("_m_s2", "m/s²"),
@@ -113,7 +113,7 @@ fn plain(name: &str) -> String {
     without.replace('_', " ")
 }
 
-/// A number as people write it, with all digits that it has up to twelve.
+/// A number in readable form, with up to twelve digits.
 fn readable(value: f64) -> String {
     let digits = format!("{value:.11e}");
     let (mantissa, exponent) = digits.split_once('e').unwrap_or((&digits, "0"));

@@ -1,5 +1,5 @@
-//! The page on which a scene is changed by sliders and its branch computed anew: three texts to be served from one
-//! place, which load nothing else.
+//! The page on which a scene is changed with sliders and its branch recomputed: three files served from one origin,
+//! which load nothing else.
 
 use crate::svg::escape;
 use serde_json::Value;
@@ -23,7 +23,7 @@ pub const SCRIPT: &str = concat!(
     include_str!("page/explore.js"),
 );
 
-/// What a browser may load on the page: what comes from the same place.
+/// Content policy of the page: only from the same origin.
 pub const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 /// The page, with its sliders: `[{ key, label, unit, kind, from, to, value }]`.

@@ -1,16 +1,16 @@
-//! The frame of a page that is one file and loads nothing: head, policy, style, data and script.
+//! The frame of a self-contained page: head, policy, style, data and script.
 
 use crate::svg::escape;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use sha2::{Digest, Sha256};
 
-/// The style that all pages have.
+/// The common style of all pages.
 pub(super) const STYLE: &str = include_str!("page/page.css");
 
-/// A page that is one file: it loads nothing and sends nothing.
+/// A self-contained page: it loads nothing and sends nothing.
 ///
-/// A content security policy allows its own style and script alone, whatever a title or a value may hold.
+/// A content security policy permits only its own style and script, whatever a title or a value contains.
 ///
 /// ```
 /// let page = nlmodes_report::Page { title: "<A> & B", body: "<p>All of it.</p>", ..Default::default() };
@@ -21,11 +21,11 @@ pub(super) const STYLE: &str = include_str!("page/page.css");
 pub struct Page<'a> {
     /// Title, as text.
     pub title: &'a str,
-    /// What stands below the title, as HTML.
+    /// Subtitle, as HTML.
     pub head: &'a str,
-    /// What the page is about, as HTML.
+    /// Contents, as HTML.
     pub body: &'a str,
-    /// Style beside that of all pages.
+    /// Style in addition to the common one.
     pub style: &'a str,
     /// Script; it finds the data in the element `data`.
     pub script: &'a str,
@@ -72,7 +72,7 @@ impl Page<'_> {
 mod tests {
     use super::*;
 
-    /// What stands between two texts.
+    /// Separator between two texts.
     fn between<'a>(text: &'a str, from: &str, to: &str) -> &'a str {
         let (_, rest) = text.split_once(from).unwrap();
         rest.split_once(to).unwrap().0

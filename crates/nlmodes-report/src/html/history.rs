@@ -7,7 +7,7 @@ use crate::figure::HistoryLook;
 use nlmodes_modal::TimeHistory;
 use serde::Serialize;
 
-/// By how much of its largest value a curve may miss a sample: a tenth of a pixel.
+/// Tolerance of a curve relative to its largest value: a tenth of a pixel.
 const TOLERANCE: f64 = 5e-4;
 
 #[derive(Serialize)]
@@ -21,17 +21,17 @@ pub(super) struct HistoryData {
     stop: f64,
     /// Colour of the stop.
     wall: &'static str,
-    /// Time, and whether touching begins.
+    /// Time, and whether contact begins.
     instants: Vec<(f64, bool)>,
     label: String,
     color: &'static str,
     dash: Option<&'static str>,
-    /// Those drawn over it.
+    /// Overlaid histories.
     others: Vec<HistoryData>,
 }
 
 impl HistoryData {
-    /// The first of these histories, with the others drawn over it; none of none.
+    /// The first of these histories, with the others overlaid; none if empty.
     pub fn of_all(name: &str, all: &[&TimeHistory], look: &HistoryLook) -> Option<Self> {
         let colors = |index: usize| {
             let dash = look.is_dashed(index, all.len()).then_some("6 3");
@@ -66,7 +66,7 @@ impl HistoryData {
     }
 }
 
-/// The history with as few samples as its curves need; as it is, if a series does not fit the time.
+/// The history with the minimum number of samples for its curves; unchanged if a series does not match the time.
 pub(super) fn thinned(history: &TimeHistory) -> TimeHistory {
     let all = [&history.displacement, &history.velocity, &history.acceleration, &history.force];
     if all.iter().any(|values| values.len() != history.time.len()) {

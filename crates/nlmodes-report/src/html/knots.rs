@@ -1,6 +1,6 @@
-//! Few samples that tell as much as many.
+//! Reduction of samples without visible loss.
 
-/// Indices of the samples between which straight lines miss none of the series by more than `tolerance` of its largest
+/// Indices of the samples between which straight lines approximate each series to within `tolerance` of its largest
 /// value (Ramer 1972, Douglas and Peucker 1973, with vertical distances); both ends are among them.
 ///
 /// All series have the length of `time`, which ascends. Samples that are not finite are kept.
@@ -20,7 +20,7 @@ pub(super) fn knots(time: &[f64], series: &[&[f64]], tolerance: f64) -> Vec<usiz
             let samples = time[inner.clone()].iter().zip(&values[inner.clone()]);
             for (most, (t, value)) in distances.iter_mut().zip(samples) {
                 let distance = (value - start - slope * (t - time[from])).abs() / size;
-                // NaN counts as far away.
+                // NaN is treated as far away.
                 *most = if distance > *most || distance.is_nan() { distance } else { *most };
             }
         }
@@ -47,7 +47,7 @@ mod tests {
     fn straight_lines_between_the_knots_miss_no_sample() {
         let time: Vec<f64> = (0..=2000).map(|k| f64::from(k) / 2000.0).collect();
         let wave: Vec<f64> = time.iter().map(|t| (6.0 * t).cos()).collect();
-        // A blow of a hundredth of the time.
+        // A contact of a hundredth of the time.
         let blow: Vec<f64> = time.iter().map(|t| (1.0 - (200.0 * (t - 0.31)).powi(2)).max(0.0)).collect();
         let chosen = knots(&time, &[&wave, &blow], 1e-3);
         assert!(chosen.len() < 120 && chosen[0] == 0 && chosen[chosen.len() - 1] == 2000, "{}", chosen.len());

@@ -1,4 +1,4 @@
-//! Motions for the script: as many points as fit into a page of sensible size, in whole numbers.
+//! Motions for the script: as many points as fit into a page of reasonable size, as integers.
 
 use super::HtmlReport;
 use super::knots::knots;
@@ -10,23 +10,24 @@ use num_complex::Complex64;
 use serde::Serialize;
 use std::collections::BTreeSet;
 
-/// Bytes that the motions of all branches may take, about.
+/// Approximate limit for the motions of all branches, bytes.
 const BUDGET: usize = 1_500_000;
 /// Bytes of displacement and force of a contact, about.
 const CONTACT_BYTES: usize = 800;
-/// Fewest and most points of a branch whose motion the page holds, beside its ends and those with a name.
+/// Minimum and maximum number of points of a branch whose motion is on the page, in addition to its ends and named
+/// points.
 const POINTS: (usize, usize) = (12, 300);
 const MAX_STATIONS: usize = 41;
-/// By how much of its largest value displacement and force of a contact may be missed.
+/// Tolerance of displacement and force of a contact relative to the largest value.
 const CONTACT_TOLERANCE: f64 = 4e-3;
 
-/// Whether a motion can be drawn over the position of its stations: contacts of a structure in space do not lie along
-/// an axis.
+/// Whether a motion can be drawn over the position of its stations: contacts of a structure in space are not along an
+/// axis.
 pub(super) fn is_along_an_axis(branch: &ModalBranch, stations: &[Station]) -> bool {
     stations.len() > 1 && stations::kind(branch) != "contact"
 }
 
-/// Cosine coefficients of all stations, and those of the sines where there are any.
+/// Cosine coefficients of all stations, and those of the sines, if any.
 type PackedMotion = (PackedRows, Option<PackedRows>);
 
 #[derive(Serialize)]
@@ -39,7 +40,7 @@ pub(super) struct MotionData {
     /// Stations that are clamped.
     held: Vec<usize>,
     stops: Vec<StopData>,
-    /// The points whose motion is here, ascending.
+    /// The points with motion, ascending.
     points: Vec<usize>,
     frames: Vec<Frame>,
 }
@@ -67,7 +68,7 @@ struct Contact {
 }
 
 impl MotionData {
-    /// None where there is nothing to move.
+    /// None if there is no motion.
     pub fn new(report: &HtmlReport<'_>, index: usize, stops: &[StopLine]) -> Option<Self> {
         let branch = report.branches[index];
         let (stations, stops) = shown(report, branch, stops);
@@ -100,7 +101,7 @@ impl MotionData {
     }
 }
 
-/// What the displacement of a kind of coordinates is called.
+/// Name of the displacement of a kind of coordinates.
 pub(super) fn word(kind: &str) -> &'static str {
     match stations::motion_of(kind) {
         "axial" => "axial displacement",
@@ -128,9 +129,8 @@ pub(super) fn shown(
     (stations, stops)
 }
 
-/// The points whose motion the page holds: the ends and those with a name, then those with an event, then others at
-/// even steps, until they are as many as fit. Changes of the contacts alone are no reason: with many stops nearly every
-/// point has one.
+/// The points whose motion is on the page: the ends and named points, then those with an event, then others at even
+/// steps, up to the limit. Contact changes alone do not count: with many stops nearly every point has one.
 fn chosen_points(report: &HtmlReport<'_>, index: usize, n_stations: usize, n_stops: usize) -> Vec<usize> {
     let branch = report.branches[index];
     let (points, n) = (&branch.points, branch.points.len());
@@ -149,7 +149,7 @@ fn chosen_points(report: &HtmlReport<'_>, index: usize, n_stations: usize, n_sto
     chosen.into_iter().collect()
 }
 
-/// At most so many of them, at even steps.
+/// At most this many of them, at even steps.
 fn evenly(all: &[usize], most: usize) -> impl Iterator<Item = usize> {
     let stride = all.len().div_ceil(most.max(1)).max(1);
     let none = if most == 0 { 0 } else { all.len() };

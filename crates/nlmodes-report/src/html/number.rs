@@ -1,14 +1,14 @@
-//! Numbers: rounded for the script, written for people.
+//! Numbers: rounded for the script, and in readable form.
 
 use crate::unit::superscript;
 
-/// The nearest double with so many decimal digits; its shortest form is that short.
+/// The nearest double with this many decimal digits, so that its shortest form is short.
 pub(super) fn rounded(value: f64, digits: usize) -> f64 {
     let text = format!("{value:.*e}", digits.saturating_sub(1));
     text.parse().unwrap_or(value)
 }
 
-/// With so many significant digits: `4.97`, `1.24×10⁹`; a dash for what is not finite.
+/// With this many significant digits: `4.97`, `1.24×10⁹`; a dash if not finite.
 pub(super) fn significant(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return "–".into();
@@ -28,7 +28,7 @@ pub(super) fn significant(value: f64, digits: usize) -> String {
     text.replace('-', "−")
 }
 
-/// A frequency of so many rad/s, in hertz.
+/// An angular frequency in rad/s, as hertz.
 pub(super) fn hertz(omega: f64) -> String {
     significant(omega / std::f64::consts::TAU, 7)
 }

@@ -1,4 +1,4 @@
-//! The head of the page: what it is about, how it ended, and its figures in large letters.
+//! The head of the page: subject, end, and key figures in large letters.
 
 use super::HtmlReport;
 use super::number::{hertz, significant};
@@ -29,7 +29,7 @@ impl HtmlReport<'_> {
             [] if self.branches.len() == 1 => ends(branch),
             _ => Vec::new(),
         };
-        // What is laid over a test is not what the page is about.
+        // Overlays on a test are not the subject of the page.
         let is_test = self.scattered.contains(&0);
         let points = || self.branches_that(is_test).flat_map(|branch| &branch.points).filter(|p| p.omega.is_finite());
         if points().next().is_none() {
@@ -70,7 +70,7 @@ impl HtmlReport<'_> {
 }
 
 impl HtmlReport<'_> {
-    /// How many points were computed, on so many branches, and how many measured.
+    /// Numbers of computed points, branches, and measured points.
     fn counts(&self, computed: usize) -> impl Iterator<Item = (String, String)> {
         let count = |measured: bool| self.branches_that(measured).map(|branch| branch.points.len()).sum::<usize>();
         let of = if computed == 1 { "points".to_owned() } else { format!("points on {computed} branches") };
@@ -78,8 +78,8 @@ impl HtmlReport<'_> {
         all.into_iter().filter(|(count, _)| *count > 0).map(|(count, of)| (count.to_string(), of))
     }
 
-    /// How the branches ended: each of several by its name, and whether one did not end where it should. What was
-    /// measured did not end anywhere.
+    /// How the branches ended: by name if there are several, and whether one ended early. Measured branches have no
+    /// end.
     fn outcome(&self) -> String {
         let early = self.branches.iter().filter(|branch| !branch.end.complete).count();
         let on_tongue =
@@ -117,7 +117,7 @@ impl HtmlReport<'_> {
     }
 }
 
-/// Why a branch ended, and on which tongue.
+/// Why a branch ended, and on which internal resonance.
 fn said(branch: &ModalBranch) -> String {
     match tongue_at_end(branch) {
         Some(tongue) => format!("{}, on the tongue {tongue}", escape(&branch.end.message)),
@@ -135,7 +135,7 @@ fn first_and_last(branch: &ModalBranch) -> Option<(&ModalPoint, &ModalPoint, Str
     Some((first, last, format!("{sign}{} %", significant(change, 3))))
 }
 
-/// Where the only branch begins and ends.
+/// Start and end of the only branch.
 fn ends(branch: &ModalBranch) -> Vec<(String, String)> {
     let Some((first, last, change)) = first_and_last(branch) else { return Vec::new() };
     let start = if first.has_event(Event::Grazing) { "where the stop is first touched" } else { "at the first point" };
@@ -163,7 +163,7 @@ fn force<'p>(points: impl Iterator<Item = &'p ModalPoint>) -> String {
     format!("{} {}", significant(largest * unit.per_si, 4), unit.symbol)
 }
 
-/// The internal resonance on whose tongue a branch ends.
+/// The internal resonance at which a branch ends.
 pub(super) fn tongue_at_end(branch: &ModalBranch) -> Option<String> {
     branch.points.last()?.resonance.as_ref().map(ToString::to_string)
 }

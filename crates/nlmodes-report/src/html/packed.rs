@@ -1,4 +1,4 @@
-//! Series of numbers for the script, as text that takes a third of the room of digits.
+//! Series of numbers for the script, as text of a third of the length of digits.
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -8,9 +8,9 @@ use super::number::rounded;
 
 /// Largest whole number in which a value is expressed.
 const FULL_SCALE: f64 = 32_000.0;
-/// Stands for what is no number.
+/// Represents NaN.
 const NOTHING: i16 = i16::MIN;
-/// Sizes that numbers of 32 bits hold with all their digits.
+/// Range of numbers representable in 32 bits with all digits.
 const SIZES: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
 
 /// A factor and whole numbers of 16 bits, lowest byte first, in base64.
@@ -24,12 +24,12 @@ impl Packed {
     }
 }
 
-/// Rows of one length with one factor: the factor, the length, and the rows one behind the other.
+/// Rows of equal length with one factor: the factor, the length, and the concatenated rows.
 #[derive(Debug, Serialize)]
 pub(super) struct PackedRows(f64, usize, String);
 
 impl PackedRows {
-    /// Rows that are shorter end in zeros; zeros at the end of all rows are left out.
+    /// Shorter rows are padded with zeros; common trailing zeros are omitted.
     pub fn new(rows: &[Vec<f64>], scale: f64) -> Self {
         let whole: Vec<Vec<i16>> =
             rows.iter().map(|row| row.iter().map(|value| whole(*value, scale)).collect()).collect();
@@ -54,11 +54,11 @@ impl PackedRows {
     }
 }
 
-/// A column: numbers of 32 bits, lowest byte first, in base64, where these hold them; otherwise as they are.
+/// A column: numbers of 32 bits, lowest byte first, in base64, if representable; otherwise unchanged.
 #[derive(Debug, Serialize)]
 #[serde(untagged)]
 pub(super) enum Column {
-    /// Not a number where there is none.
+    /// NaN if missing.
     Short(String),
     Long(Vec<f64>),
 }
@@ -78,14 +78,14 @@ fn text<const N: usize>(numbers: impl Iterator<Item = [u8; N]>) -> String {
     BASE64_STANDARD.encode(numbers.flatten().collect::<Vec<u8>>())
 }
 
-/// What one whole number stands for, so that the largest value fits.
+/// The unit of one integer, such that the largest value fits.
 pub(super) fn scale(values: impl Iterator<Item = f64>) -> f64 {
     let largest = values.filter(|value| value.is_finite()).fold(0.0, |m: f64, value| m.max(value.abs()));
     if largest > 0.0 { rounded(largest / FULL_SCALE, 8) } else { 1.0 }
 }
 
 fn whole(value: f64, scale: f64) -> i16 {
-    // Within ±32 001 by the choice of the scale; a factor that underflows to zero leaves nothing to be shown.
+    // Within ±32 001 by the choice of the scale; a factor that underflows to zero means that all values are invisible.
     let number = (value / scale).round();
     if number.is_finite() { number as i16 } else { NOTHING }
 }

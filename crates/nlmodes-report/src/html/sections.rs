@@ -1,4 +1,4 @@
-//! The sections of the page, each with the still figures that stand there without the script.
+//! The sections of the page, each with the static figures shown without the script.
 
 use std::collections::BTreeSet;
 
@@ -17,7 +17,7 @@ use nlmodes_modal::{Event, ModalPoint, TimeHistory, tongues};
 const HINT: &str = "Wheel or drag to zoom, shift and drag to move, double click to see all again. Point at the curve for its values; \
     click to see that motion beside it. With the keyboard: arrows, Enter, + − 0.";
 
-/// A section: its name in the page's address, its title, its content.
+/// A section: its anchor, its title, its content.
 pub(super) struct Section {
     pub id: &'static str,
     pub title: &'static str,
@@ -123,7 +123,7 @@ impl HtmlReport<'_> {
         )
     }
 
-    /// The point whose motion is shown at first: the last that has a name, or the first of all.
+    /// The point whose motion is shown initially: the last named one, or the first of all.
     fn first_moving(&self) -> Option<(usize, usize)> {
         let named = self.marks.last().map(|(branch, point, _)| (*branch, *point));
         let (branch, point) = named.unwrap_or((0, 0));
@@ -145,7 +145,7 @@ impl HtmlReport<'_> {
         Ok(if boxes.is_empty() { boxes } else { format!("<div class=\"pair\">{boxes}</div>\n") })
     }
 
-    /// What the curves of frequency over energy are called.
+    /// Name of the curves of frequency over energy.
     fn name_of_branches(&self) -> &'static str {
         match (&self.main_figure, self.leading.is_empty()) {
             (Some(_), true) => "Responses",
@@ -169,7 +169,7 @@ impl HtmlReport<'_> {
         if tables.is_empty() { tables } else { format!("<div class=\"tables\">\n{tables}</div>\n") }
     }
 
-    /// The branch's name where there are several.
+    /// The branch's name, if there are several.
     fn branch_cells(&self, branch: usize) -> Vec<String> {
         let label = &self.branches[branch].label;
         if self.branches.len() > 1 { vec![cell(label, &escape(label))] } else { Vec::new() }
@@ -213,7 +213,7 @@ impl HtmlReport<'_> {
         self.own_table("Events", &["point", "event", "frequency, Hz", "energy, J", "amplitude, m√kg"], rows)
     }
 
-    /// What the events that occur mean.
+    /// Meaning of the events that occur.
     fn meanings(&self) -> String {
         let points = self.branches.iter().flat_map(|branch| &branch.points);
         let met: BTreeSet<Event> = points.flat_map(|point| point.events.iter().copied()).collect();
@@ -265,7 +265,7 @@ impl HtmlReport<'_> {
     }
 }
 
-/// The stop with the largest force, if any is touched.
+/// The stop with the largest force, if there is contact.
 fn strongest(point: &ModalPoint) -> Option<usize> {
     let forces = point.contacts.iter().map(|contact| contact.peak_force).enumerate();
     forces.filter(|(_, force)| *force > 0.0).max_by(|a, b| a.1.total_cmp(&b.1)).map(|(stop, _)| stop)
@@ -277,7 +277,7 @@ fn quantities(point: &ModalPoint) -> [String; 3] {
     texts.map(|text| cell(&text, &text))
 }
 
-/// A figure that stands still, and the place for the one that does not.
+/// A static figure, and the container of the interactive one.
 fn boxed(title: &str, figure: &Figure, attribute: &str) -> String {
     let (title, svg) = (escape(title), figure.as_svg());
     format!(
@@ -285,7 +285,7 @@ fn boxed(title: &str, figure: &Figure, attribute: &str) -> String {
     )
 }
 
-/// Figures that were given, as they are.
+/// Added figures, unchanged.
 fn given(figures: &[(String, Figure)]) -> String {
     let one = |(title, figure): &(String, Figure)| {
         let (title, svg) = (escape(title), figure.as_svg());

@@ -2,7 +2,7 @@
 
 use crate::svg::escape;
 
-/// Rows beyond which a table is laid out only when it comes into view: thousands take a browser seconds.
+/// Number of rows above which a table is laid out only when visible: thousands take a browser seconds.
 const LONG: usize = 100;
 
 /// A table with a title, as text.
@@ -12,9 +12,9 @@ pub struct DataTable {
     pub title: String,
     /// Names of the columns, with their units.
     pub head: Vec<String>,
-    /// Cells, row by row; those that begin like a number stand to the right.
+    /// Cells, row by row; those that begin like a number are right-aligned.
     pub rows: Vec<Vec<String>>,
-    /// The branch of the page whose points stand in the first column, and are chosen by a click there.
+    /// The branch of the page whose points are in the first column, where a click selects them.
     pub chooses: Option<usize>,
 }
 
@@ -55,14 +55,14 @@ impl DataTable {
     }
 }
 
-/// A cell; `text` decides on which side its content stands.
+/// A cell; `text` determines its alignment.
 pub(super) fn cell(text: &str, html: &str) -> String {
     let number = text.trim_start_matches(['−', '+']).starts_with(|c: char| c.is_ascii_digit()) || text == "–";
     let class = if number { " class=\"number\"" } else { "" };
     format!("<td{class}>{html}</td>")
 }
 
-/// A cell with the number of a point, which chooses it.
+/// A cell with the number of a point, which selects it.
 pub(super) fn point_cell(branch: usize, point: usize) -> String {
     let button = format!("<button type=\"button\" data-branch=\"{branch}\" data-point=\"{point}\">{point}</button>");
     cell("0", &button)

@@ -6,34 +6,34 @@ use std::fmt::Write as _;
 
 use super::packed::{Packed, PackedRows, scale};
 
-/// Most harmonics of the motion that the page holds.
+/// Maximum number of harmonics of the motion on the page.
 const HARMONICS: usize = 6;
-/// Width and height of the figure that stands still.
+/// Width and height of the static figure.
 const STILL: [f64; 2] = [760.0, 400.0];
 
 /// The motion of a structure in space over one period, to be drawn as a wireframe.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Wireframe {
-    /// What moves, for instance `point 12`.
+    /// Name of the motion, for instance `point 12`.
     pub name: String,
-    /// Places of its corners at rest, m.
+    /// Positions of its vertices at rest, m.
     pub places: Vec<[f64; 3]>,
-    /// Pairs of corners that are joined.
+    /// Pairs of connected vertices.
     pub edges: Vec<[usize; 2]>,
-    /// Displacement of each corner (m) at equal steps of a period: steps × corners.
+    /// Displacement of each vertex (m) at equal steps of a period: steps × vertices.
     pub displacements: Vec<Vec<[f64; 3]>>,
-    /// Corners at which something can be touched, with the force on the structure there (N) at the same steps.
+    /// Contact vertices, with the force on the structure there (N) at the same steps.
     pub forces: Vec<(usize, Vec<[f64; 3]>)>,
 }
 
-/// What the script knows of it.
+/// Data for the script.
 #[derive(Serialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct WireData {
     name: String,
     places: Packed,
     edges: Vec<usize>,
-    /// Cosine and sine coefficients of the displacements, x, y, z of one corner after the other; the mean first,
+    /// Cosine and sine coefficients of the displacements, x, y, z of one vertex after the other; the mean first,
     /// without a sine.
     cosines: PackedRows,
     sines: PackedRows,
@@ -43,7 +43,7 @@ pub(super) struct WireData {
 }
 
 impl Wireframe {
-    /// Whether there is something to be drawn, with all numbers finite and all corners there.
+    /// Whether there is something to draw, with finite numbers and existing vertices.
     pub(super) fn is_sound(&self) -> bool {
         let n = self.places.len();
         let finite = |all: &[[f64; 3]]| all.iter().flatten().all(|v| v.is_finite());
@@ -84,12 +84,12 @@ impl Wireframe {
             cosines: packed(&cosines),
             sines: packed(&sines),
             contacts: self.forces.iter().map(|(corner, _)| *corner).collect(),
-            // A row a step, also where nothing is pushed.
+            // One row per step, also without force.
             forces: PackedRows::new(&forces, scale(forces.iter().flatten().copied())),
         }
     }
 
-    /// The structure at the step of its largest displacement, drawn larger, over that at rest, as an SVG picture.
+    /// The structure at the step of its largest displacement, magnified, over that at rest, as an SVG picture.
     pub(super) fn still(&self) -> String {
         let size = |step: &[[f64; 3]]| step.iter().flatten().fold(0.0_f64, |l, v| l.max(v.abs()));
         let sizes = self.displacements.iter().map(|step| size(step));
@@ -115,7 +115,7 @@ impl Wireframe {
             let mut path = String::new();
             for [a, b] in &self.edges {
                 let ([x, y], [u, v]) = (pixel(&points[*a]), pixel(&points[*b]));
-                // A string takes all that is written to it.
+                // Writing to a string cannot fail.
                 _ = write!(path, "M{x:.1} {y:.1}L{u:.1} {v:.1}");
             }
             path
@@ -172,7 +172,7 @@ mod tests {
             assert!((at(&data.cosines, n) - cosine).abs() < 1e-6, "{n}");
             assert!(n == 0 || (at(&data.sines, n - 1) - sine).abs() < 1e-6, "{n}");
         }
-        // The last steps push nothing; without them the others would be told at wrong phases.
+        // The last steps have no force; without them the others would have wrong phases.
         assert_eq!(data.forces.values().len(), 24);
         assert_eq!((data.edges.as_slice(), data.contacts.as_slice()), (&[0, 1][..], &[1][..]));
     }

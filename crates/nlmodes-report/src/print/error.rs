@@ -4,19 +4,19 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum PrintError {
-    /// The text is no SVG document.
+    /// The text is not an SVG document.
     #[error("no SVG document")]
     Svg(#[source] resvg::usvg::Error),
-    /// PDF cannot say what the document holds.
+    /// PDF cannot represent the contents.
     #[error("cannot be said in PDF: {reason}")]
     Pdf {
-        /// What that is.
+        /// The contents.
         reason: String,
     },
-    /// The resolution is no positive number.
+    /// The resolution is not a positive number.
     #[error("{dots_per_inch} dots an inch; expected a number greater than 0")]
     Resolution {
-        /// The number that was asked for.
+        /// The requested number.
         dots_per_inch: f64,
     },
     /// The image would be larger than [`MAX_PIXELS`](super::MAX_PIXELS), or smaller than one pixel.
@@ -29,10 +29,10 @@ pub enum PrintError {
         width: f64,
         /// Its height in pixels.
         height: f64,
-        /// The resolution that was asked for.
+        /// The requested resolution.
         dots_per_inch: f64,
     },
-    /// The image could not be packed.
+    /// The image could not be compressed.
     #[error("cannot be packed as PNG")]
     Png(#[source] png::EncodingError),
 }

@@ -2,16 +2,16 @@ use resvg::tiny_skia::{Color, Pixmap, Transform};
 
 use super::{PrintError, SVG_DOTS_PER_INCH, tree};
 
-/// Most pixels of an image: of 190 × 130 mm at 2400 dots an inch.
+/// Maximum number of pixels of an image: of 190 × 130 mm at 2400 dots per inch.
 pub const MAX_PIXELS: u32 = 1 << 28;
 
 /// Dots of a metre over those of an inch.
 const INCHES_IN_A_METRE: f64 = 1.0 / 0.0254;
 
-/// A PNG image on white with so many dots an inch, which it states.
+/// A PNG image on white with the given dots per inch, recorded in the file.
 ///
 /// # Errors
-/// [`PrintError::Resolution`], [`PrintError::Size`], [`PrintError::Svg`] if the text is no SVG document,
+/// [`PrintError::Resolution`], [`PrintError::Size`], [`PrintError::Svg`] if the text is not an SVG document,
 /// [`PrintError::Png`].
 pub fn png(svg: &str, dots_per_inch: f64) -> Result<Vec<u8>, PrintError> {
     if !(dots_per_inch > 0.0 && dots_per_inch.is_finite()) {
@@ -31,7 +31,7 @@ pub fn png(svg: &str, dots_per_inch: f64) -> Result<Vec<u8>, PrintError> {
     packed(&pixels, dots_per_inch).map_err(PrintError::Png)
 }
 
-/// On white every pixel is opaque: its colours stand without the fourth number.
+/// On white every pixel is opaque, so there is no alpha channel.
 fn packed(pixels: &Pixmap, dots_per_inch: f64) -> Result<Vec<u8>, png::EncodingError> {
     let colours: Vec<u8> =
         pixels.pixels().iter().flat_map(|pixel| [pixel.red(), pixel.green(), pixel.blue()]).collect();

@@ -7,14 +7,14 @@ use super::PrintError;
 /// Letters, digits and signs of all figures; see `fonts/OFL.txt`.
 const FONT: &[u8] = include_bytes!("../../fonts/Arimo-Regular.ttf");
 
-/// The document with its texts in the font of this crate, and signs that it lacks in those of the machine.
+/// The document with its text in the font of this crate, and missing characters in system fonts.
 pub fn parsed(svg: &str) -> Result<Tree, PrintError> {
     let mut options = Options { font_resolver: resolver(), ..Options::default() };
     options.fontdb_mut().load_font_data(FONT.to_vec());
     Tree::from_str(svg, &options).map_err(PrintError::Svg)
 }
 
-/// Whatever family a text asks for: the machine's own fonts must not make another figure.
+/// For any font family: system fonts must not change the figure.
 fn resolver() -> FontResolver<'static> {
     let among_all = FontResolver::default_fallback_selector();
     FontResolver {

@@ -103,7 +103,7 @@ impl Surface {
 }
 
 impl Piece {
-    /// Nearness of the middle; lines count as a little nearer, for they lie on the surface.
+    /// Nearness of the middle; lines are treated as slightly nearer, since they are on the surface.
     fn nearness(&self, view: &View) -> f64 {
         match self {
             Self::Cell { corners, .. } => corners.iter().map(|corner| 0.25 * view.nearness(*corner)).sum(),

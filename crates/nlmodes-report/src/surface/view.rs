@@ -1,6 +1,6 @@
 /// Half edges of the box.
 const HALF: [f64; 3] = [1.0, 0.95, 0.62];
-/// Direction of the viewer: to the right of the front, above.
+/// Direction of the viewer: front right, above.
 const AZIMUTH: f64 = -0.92;
 const ELEVATION: f64 = 0.42;
 
@@ -34,7 +34,7 @@ impl View {
         (self.origin.0 + self.scale * right, self.origin.1 - self.scale * up)
     }
 
-    /// How near a point is to the viewer.
+    /// Nearness of a point to the viewer.
     pub fn nearness(&self, point: [f64; 3]) -> f64 {
         let [x, y, z] = self.centred(point);
         let ((sin_a, cos_a), (sin_e, cos_e)) = (AZIMUTH.sin_cos(), ELEVATION.sin_cos());

@@ -6,10 +6,10 @@ use npyz::zip::{CompressionMethod, DateTime};
 use npyz::{AutoSerialize, DType, TypeStr, WriteOptions, WriterBuilder};
 use std::io::{self, BufWriter, Seek, Write};
 
-/// Bytes that go to the archive at once: it takes its time for each call, however little it is given.
+/// Bytes written to the archive at once: each call has an overhead.
 const BUFFER: usize = 1 << 16;
 
-/// Not compressed: digits of floating-point numbers hardly get shorter by it, and it took longer than to compute them.
+/// Not compressed: floating-point numbers hardly compress, and it took longer than the computation.
 fn stored() -> FileOptions {
     // The same results give the same archive, whenever they are written.
     let options = FileOptions::default().last_modified_time(DateTime::default());

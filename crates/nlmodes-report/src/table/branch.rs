@@ -69,11 +69,11 @@ pub const BRANCH_COLUMNS: [&str; BRANCH_MEANINGS.len()] = {
     names
 };
 
-/// Writes a branch as CSV: a header with [`BRANCH_COLUMNS`] and a row a point.
+/// Writes a branch as CSV: a header with [`BRANCH_COLUMNS`] and one row per point.
 ///
 /// Numbers are the shortest that read back as the same double, frequencies have 15 digits; events are joined by spaces.
-/// The stability is empty where it was not found out, the angle of the multiplier where the motion is stable. A file of
-/// that name is replaced at once, never half.
+/// The stability is empty if it was not computed, the angle of the multiplier if the motion is stable. An existing file
+/// is replaced atomically.
 ///
 /// # Errors
 /// [`ReportError::Io`] if the file cannot be written.
@@ -88,13 +88,13 @@ pub fn write_branch(path: impl AsRef<Path>, branch: &ModalBranch) -> Result<(), 
     })
 }
 
-/// Writes a branch as CSV while it is being computed, so that a run which is cut off keeps its rows.
+/// Writes a branch as CSV while it is being computed, so that an interrupted run keeps its rows.
 ///
 /// The file is that of [`write_branch`] after every [`BranchWriter::append`].
 #[derive(Debug)]
 pub struct BranchWriter {
     path: PathBuf,
-    /// Name under which the file is written until it is shown.
+    /// Temporary name of the file until it is shown.
     hidden: Option<PathBuf>,
     table: csv::Writer<File>,
     /// Length of the file before each point, and now.
@@ -112,8 +112,7 @@ impl BranchWriter {
         Self::new(path, None, file)
     }
 
-    /// As [`create`](Self::create), under a temporary name: a file that is there already stays until
-    /// [`show`](Self::show).
+    /// As [`create`](Self::create), under a temporary name: an existing file is kept until [`show`](Self::show).
     ///
     /// # Errors
     /// [`ReportError::Io`] if the file cannot be written.
@@ -131,7 +130,7 @@ impl BranchWriter {
         Ok(writer)
     }
 
-    /// Puts the file in its place, where a hidden one is not yet.
+    /// Renames a hidden file to its final name.
     ///
     /// # Errors
     /// [`ReportError::Io`] if it cannot be renamed.
@@ -140,7 +139,7 @@ impl BranchWriter {
         fs::rename(hidden, &self.path).map_err(ReportError::io(&self.path))
     }
 
-    /// Appends a point, numbered by its place, and hands the row to the operating system.
+    /// Appends a point, numbered by its index, and passes the row to the operating system.
     ///
     /// # Errors
     /// [`ReportError::Io`] if the file cannot be written.
@@ -148,7 +147,7 @@ impl BranchWriter {
         self.write(row(self.n_points(), point))
     }
 
-    /// Keeps the first `count` points, and goes on behind them.
+    /// Keeps the first `count` points, and continues after them.
     ///
     /// # Errors
     /// [`ReportError::Io`] if the file cannot be shortened.
@@ -176,7 +175,7 @@ impl BranchWriter {
                 file.stream_position()
             })
             .map_err(|error| {
-                // Half a row is no row.
+                // An incomplete row does not count.
                 let _ = self.table.get_ref().set_len(self.lengths.last().copied().unwrap_or(0));
                 ReportError::io(&self.path)(error)
             })?;

@@ -31,11 +31,11 @@ pub const CONTACT_COLUMNS: [Column; 9] = [
     ),
 ];
 
-/// Writes what each contact does at each point as CSV: a header with the columns of `columns::FILES` and a row a point
-/// and contact.
+/// Writes the quantities of each contact at each point as CSV: a header with the columns of `columns::FILES` and one
+/// row per point and contact.
 ///
-/// Numbers are the shortest that read back as the same double, frequencies have 15 digits. A file of that name is
-/// replaced at once, never half.
+/// Numbers are the shortest that read back as the same double, frequencies have 15 digits. An existing file is replaced
+/// atomically.
 ///
 /// # Errors
 /// [`ReportError::Io`] if the file cannot be written.

@@ -29,8 +29,8 @@ pub const HARMONIC_ARRAYS: [Column; 4] = [
 /// Its arrays are those of `columns::FILES`: float64, complex128 and Unicode text.
 ///
 /// # Errors
-/// [`ReportError::CoefficientShape`] if a point has not the coordinates of the branch, [`ReportError::Io`] if the file
-/// cannot be written.
+/// [`ReportError::CoefficientShape`] if a point does not have the coordinates of the branch, [`ReportError::Io`] if the
+/// file cannot be written.
 pub fn write_harmonics(path: impl AsRef<Path>, branch: &ModalBranch) -> Result<(), ReportError> {
     let width = common_width(branch)?;
     replace_file(path.as_ref(), |file| {
@@ -47,7 +47,7 @@ pub fn write_harmonics(path: impl AsRef<Path>, branch: &ModalBranch) -> Result<(
     })
 }
 
-/// Harmonics + 1 of the point that has most; 1 for a branch without points.
+/// Largest number of harmonics + 1 of a point; 1 for a branch without points.
 pub(super) fn common_width(branch: &ModalBranch) -> Result<usize, ReportError> {
     let width = branch.points.iter().map(|point| point.coefficients.n_harmonics() + 1).max().unwrap_or(1);
     let expected = (branch.coordinates.len(), width);

@@ -1,7 +1,7 @@
 use std::f64::consts::TAU;
 
-/// The frequency of an angular frequency, `ω/2π` in Hz, to the 15 digits that a double has: a frequency that was given
-/// comes back as it was, 22.829 and not 22.828999999999997.
+/// The frequency of an angular frequency, `ω/2π` in Hz, to the 15 digits of a double: a given frequency is reproduced
+/// exactly, 22.829 and not 22.828999999999997.
 pub fn hertz(omega: f64) -> f64 {
     let hertz = omega / TAU;
     format!("{hertz:.14e}").parse().unwrap_or(hertz)

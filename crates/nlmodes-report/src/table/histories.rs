@@ -23,7 +23,7 @@ pub const HISTORY_ARRAYS: [Column; 7] = [
     Column::new("force_n", "P × C × T, N", "contact force, positive away from the stop, zero while it is open"),
 ];
 
-/// Motion and force of all contacts over a period at some points of a branch: each point with its number.
+/// Motion and force of all contacts over a period at some points of a branch, each with its number.
 ///
 /// All histories have as many instants, and all points as many contacts.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -1,4 +1,4 @@
-//! MATLAB files of version 5, uncompressed: as much of the format as results need.
+//! MATLAB files of version 5, uncompressed: the part of the format needed for results.
 //!
 //! A file is a header of 128 bytes and elements: type, length, bytes up to a multiple of eight. Arrays are elements of
 //! elements: flags with the class, dimensions, name, numbers column by column.
@@ -23,9 +23,9 @@ const FIELD_NAME: usize = 32;
 
 /// A value of MATLAB.
 pub(super) enum Value {
-    /// Numbers column by column, and their imaginary parts where they have some.
+    /// Numbers column by column, and their imaginary parts, if any.
     Numbers { shape: Vec<usize>, real: Vec<f64>, imaginary: Option<Vec<f64>> },
-    /// A column of cells with a text each.
+    /// A column of text cells.
     Texts(Vec<String>),
     /// A structure; names are shorter than 32 letters.
     Structure(Vec<(&'static str, Value)>),

@@ -10,7 +10,7 @@ use crate::columns::Column;
 use crate::output::replace_file;
 use nlmodes_modal::{ContactPeriod, Event, ModalBranch, ModalPoint};
 
-/// Most coefficients that are written.
+/// Maximum number of coefficients written.
 const MOST_COEFFICIENTS: usize = 1 << 24;
 
 /// Variables of `results.mat`.
@@ -32,7 +32,7 @@ pub const MATLAB_VARIABLES: [Column; 4] = [
 /// Writes a branch with its motions as a MATLAB file of version 5, with the variables of `columns::FILES`.
 ///
 /// # Errors
-/// What [`write_harmonics`](super::write_harmonics) and [`write_histories`](super::write_histories) report.
+/// Errors of [`write_harmonics`](super::write_harmonics) and [`write_histories`](super::write_histories).
 pub fn write_matlab(
     path: impl AsRef<Path>,
     branch: &ModalBranch,

@@ -21,7 +21,7 @@ pub const PARTICIPATION_COLUMNS: [Column; 7] = [
     Column::new("energy_share_…", "", "share of a linear mode in the averaged kinetic energy, all harmonics, 0 to 1"),
 ];
 
-/// Writes the participation of linear modes as CSV, a row a point: `point`, `frequency_hz`, `modal_amplitude`,
+/// Writes the participation of linear modes as CSV, one row per point: `point`, `frequency_hz`, `modal_amplitude`,
 /// `harmonics` (those in the sum, `1-5`), then `participation_1`, `participation_2`, … in quadrature `quadrature_1`, …,
 /// and the shares in the energy `energy_share_1`, …
 ///

@@ -1,6 +1,6 @@
 use crate::columns::Column;
 
-/// Columns of `branch.csv` of a scene with responses, behind those of every branch.
+/// Columns of `branch.csv` of a scene with responses, after those of every branch.
 pub const RESPONSE_COLUMNS: [Column; 17] = [
     Column::new("response", "", "number of the response in the scene, from 1"),
     Column::new("kind", "", "what it follows: frequency, force, phase-resonance, damped-mode, mode, appropriation"),

@@ -12,7 +12,7 @@ pub const START_ARRAYS: [Column; 2] = [
     Column::new("displacement", "P × D, m or rad", "displacements at the instant at which all velocities are zero"),
 ];
 
-/// Writes the states from which exact motions that are even in time start, as a NumPy archive.
+/// Writes the initial states of exact motions that are even in time, as a NumPy archive.
 ///
 /// | array | shape | type |
 /// | --- | --- | --- |

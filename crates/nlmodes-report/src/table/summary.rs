@@ -4,7 +4,7 @@ use serde::Serialize;
 use std::io::Write;
 use std::path::Path;
 
-/// Writes a summary as indented JSON; a file of that name is replaced at once, never half.
+/// Writes a summary as indented JSON; an existing file is replaced atomically.
 ///
 /// JSON has no NaN and no infinity: they become `null`.
 ///

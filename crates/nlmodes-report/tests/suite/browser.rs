@@ -1,7 +1,6 @@
-//! The page in a real browser: what a reader sees, what the mouse and the keyboard do, and that nothing is asked of a
-//! network.
+//! The page in a real browser: its appearance, mouse and keyboard actions, and the absence of network requests.
 //!
-//! Without Chromium and ChromeDriver on the path the tests say so and pass.
+//! Without Chromium and ChromeDriver on the path the tests print a note and pass.
 
 mod axes;
 mod driver;
@@ -87,7 +86,8 @@ fn page() -> (TempDir, std::path::PathBuf) {
     (folder, path)
 }
 
-/// Where a value is on an axis of the figure `id`, in pixels of the window: a straight line through the labelled ticks.
+/// Position of a value on an axis of the figure `id`, in pixels of the window: a straight line through the labelled
+/// ticks.
 fn axis(browser: &Browser, id: &str, axis: &str) -> impl Fn(f64) -> f64 + use<> {
     let middle = if axis == "x" { "r.left + r.width / 2" } else { "r.top + r.height / 2" };
     let ticks = browser.run(&format!(
@@ -144,7 +144,7 @@ fn figures_are_there_and_nothing_is_asked_of_a_network() {
         let lines = format!("return document.querySelectorAll('{figure} svg .curve').length");
         assert!(browser.number(&lines) >= curves, "{figure}");
     }
-    // The still figures give way to those that move.
+    // The static figures are replaced by the interactive ones.
     assert_eq!(
         browser.number("return [...document.querySelectorAll('.still')].filter(s => s.offsetHeight).length"),
         0.0
@@ -227,8 +227,7 @@ fn wheel_drag_and_double_click_change_the_view() {
     let zoomed = ticks(&browser, "energy");
     assert!(span(&zoomed).ln() < 0.5 * span(&whole).ln(), "{zoomed:?} {whole:?}");
     assert_eq!(browser.number("return scrollY"), scroll);
-    // What was under the mouse stays there; the wheel knows whole pixels only, labels of ordinates stand half a pixel
-    // off.
+    // The point under the mouse is fixed; the wheel has whole pixels only, and ordinate labels are half a pixel off.
     let there = pixels(&browser, &exact, 60);
     assert!((there.0 - x).abs() < 4.0 && (there.1 - y).abs() < 6.0, "{there:?} {x} {y}");
     browser.double_click((x, y));
@@ -267,13 +266,13 @@ fn structure_moves_as_computed_and_stops_when_asked() {
     // most; it leaves out samples for another 2e-3 of it.
     let error = amplitude(80) * ((TAU / 128.0).powi(2) / 8.0 + 2e-3 + 2e-4);
     assert!((found - expected).abs() < error, "{found} {expected}");
-    // The clamp stays where it is, next to it the first coordinate moves by its harmonics.
+    // The clamp does not move; the first coordinate next to it moves by its harmonics.
     let points = browser.text(shape);
     let heights: Vec<f64> = points.split(' ').map(|pair| pair.split_once(',').unwrap().1.parse().unwrap()).collect();
     let of_tip = (heights[heights.len() - 1] - heights[0]) / expected;
     let middle = exact.points[80].coefficients.value(38, TAU * 0.1);
     let index = 20;
-    // Two places behind the comma of a pixel, four digits of the motion.
+    // Two decimals of a pixel, four digits of the motion.
     assert!(
         (heights[index] - heights[0] - of_tip * middle).abs() < 0.3,
         "{} {}",

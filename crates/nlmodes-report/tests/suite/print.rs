@@ -1,4 +1,4 @@
-//! What comes out, read again: sizes, colours, letters.
+//! Output files, read again: sizes, colours, letters.
 
 use std::error::Error;
 

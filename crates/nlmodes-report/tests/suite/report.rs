@@ -1,4 +1,4 @@
-//! What the files and figures of this crate hold, read back.
+//! Contents of the files and figures of this crate, read back.
 
 mod branches;
 mod convergences;

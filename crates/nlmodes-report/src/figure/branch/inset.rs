@@ -1,17 +1,17 @@
-//! The widest tongue that is too flat to be seen, drawn larger.
+//! An inset with the widest internal-resonance branch that is too flat to be visible.
 
 use super::BranchFigure;
 use crate::chart::{Axis, Inset, Scale};
 use nlmodes_modal::{ModalBranch, ModalPoint, Tongue, tongues};
 use std::f64::consts::TAU;
 
-/// Share of the height of the figure below which a tongue is a line, and share of its width from which on it is worth a
-/// look.
+/// Fraction of the height of the figure below which an internal-resonance branch looks like a line, and fraction of its
+/// width above which it is enlarged.
 const FLAT: f64 = 0.04;
 const WIDE: f64 = 0.08;
 
 impl<'a> BranchFigure<'a> {
-    /// The part of the figure around that tongue, if there is one.
+    /// The part of the figure around it, if there is one.
     pub(super) fn inset(&self, x: Scale, y: Scale) -> Option<Inset> {
         let of_branch = |branch: &&'a ModalBranch| {
             let with_ends = |tongue: Tongue| {

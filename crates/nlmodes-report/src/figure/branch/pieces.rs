@@ -1,25 +1,25 @@
-//! Stretches of a branch that are drawn alike.
+//! Segments of a branch that are drawn alike.
 
 use crate::palette;
 use crate::svg::Stroke;
 use nlmodes_modal::{Event, ModalPoint, tongues};
 
-/// Most tongues that are drawn as strongly as the backbone.
+/// Maximum number of internal-resonance branches drawn as strongly as the backbone.
 const FEW_TONGUES: usize = 3;
 
-/// The indices of the points at which a curve through them may have a corner.
+/// The indices of the points at which a curve through them may have a kink.
 pub(in crate::figure) fn corners<'p>(points: impl IntoIterator<Item = &'p ModalPoint>) -> Vec<usize> {
     let is_corner = |point: &ModalPoint| point.events.iter().any(|event| event.is_corner());
     points.into_iter().enumerate().filter(|(_, point)| is_corner(point)).map(|(index, _)| index).collect()
 }
 
-/// What is known about the stability of a motion.
+/// Stability of a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum State {
     Stable,
     Unstable,
     Unknown,
-    /// Of no point of the branch anything is known.
+    /// Stability is unknown for the whole branch.
     NotJudged,
 }
 
@@ -40,7 +40,7 @@ impl State {
         }
     }
 
-    /// Solid where stable, dotted where unstable; thin where unknown beside points that are known.
+    /// Solid where stable, dotted where unstable; thin where unknown, if it is known for other points.
     fn stroke(self, index: usize) -> Stroke {
         match self {
             Self::Stable | Self::NotJudged => branch_stroke(index),
@@ -50,26 +50,25 @@ impl State {
     }
 }
 
-/// A stretch without gaps.
+/// A segment without gaps.
 pub(super) struct Piece<'p> {
     pub points: &'p [ModalPoint],
     pub state: State,
-    /// Whether it belongs to one of many tongues, above which the backbone is drawn.
+    /// Whether it belongs to one of many internal-resonance branches, over which the backbone is drawn.
     pub is_behind: bool,
 }
 
 impl Piece<'_> {
-    /// How it is drawn as a part of the branch with this number.
+    /// Line style as part of the branch with this number.
     pub fn stroke(&self, index: usize) -> Stroke {
         let stroke = self.state.stroke(index);
         if self.is_behind { Stroke { width: 0.5 * stroke.width, ..stroke } } else { stroke }
     }
 }
 
-/// Stretches of a branch that are drawn alike, without gaps between them but for those that were left out; those that
-/// lie behind come first.
+/// Segments of a branch that are drawn alike, without gaps between them except for skipped ones; from back to front.
 ///
-/// The stretch up to a change ends at its point, with which the next one begins.
+/// The segment up to a change ends at its point, where the next one begins.
 pub(super) fn pieces(points: &[ModalPoint]) -> Vec<Piece<'_>> {
     let judged = points.iter().any(|point| point.stability.is_some());
     let tongues = tongues(points);

@@ -1,4 +1,4 @@
-//! Axes with any column, other results laid over, and the figure that a page is about.
+//! Axes with any column, overlaid results, and the main figure of a page.
 
 use super::*;
 
@@ -36,7 +36,7 @@ fn axes_show_any_column_and_other_results_lie_over_the_curves() {
     assert!(wait_for(&browser, "return document.querySelector('#lay').innerText.includes('softer than exact <b>')"));
     assert!(browser.text("return document.querySelector('#lay').innerText").contains("−1.00 % at 5 points"));
     assert!(browser.text("return document.querySelector('#legend').innerText").contains("test.csv"));
-    // Of few points the range is said.
+    // With few points the range is stated.
     drop("few.csv", &measured(&[20, 60, 100]));
     assert!(wait_for(&browser, "return document.querySelector('#lay').innerText.includes('−1.00 % at 3 points')"));
     drop("other.csv", "a,b\n1,2\n");
@@ -44,8 +44,8 @@ fn axes_show_any_column_and_other_results_lie_over_the_curves() {
     assert_eq!(browser.console(), Vec::<Value>::new());
 }
 
-/// A page that is about an amplitude over the frequency: it is hovered and chosen there, the numbers are in view beside
-/// it, events explain themselves.
+/// A page that is about an amplitude over the frequency: points are hovered and selected there, the numbers are visible
+/// beside it, events are explained.
 #[test]
 fn the_figure_that_a_page_is_about_is_hovered_and_chosen() {
     let (folder, [exact, _]) = (tempfile::tempdir().unwrap(), branches());
@@ -67,7 +67,7 @@ fn the_figure_that_a_page_is_about_is_hovered_and_chosen() {
     browser.point_at(at(90));
     let said = browser.text("return document.querySelector('#main .tip').innerText");
     assert!(said.contains("point 90") && said.contains("level: 45.000 m/s²"), "{said}");
-    // The values stand above or below the pointer, near it.
+    // The values are above or below the pointer, close to it.
     let [tip, near] = ["top", "bottom"].map(|side| {
         browser.number(&format!("return document.querySelector('#main .tip').getBoundingClientRect().{side}"))
     });
@@ -81,12 +81,12 @@ fn the_figure_that_a_page_is_about_is_hovered_and_chosen() {
     };
     assert!(edge("#details table", "top") >= 0.0 && edge("#details td", "bottom") <= f64::from(WINDOW.1));
     assert!(edge("#motion svg", "top") >= 0.0 && edge("#motion svg", "bottom") <= f64::from(WINDOW.1));
-    // Where there is no room above or below, the values stand beside the pointer.
+    // If there is no space above or below, the values are beside the pointer.
     browser.run("document.querySelector('#main svg.chart').scrollIntoView({ block: 'end' })");
     let (x, y) = (axis(&browser, "main", "x"), axis(&browser, "main", "y"));
     browser.point_at((x(exact.points[2].omega / TAU), y(1.0)));
     assert!(edge("#main .tip", "top") >= 0.0 && edge("#main .tip", "bottom") <= f64::from(WINDOW.1));
-    // An event says what it means where it is asked.
+    // Hovering an event shows its meaning.
     let event = "document.querySelector('#legend .event')";
     browser.run(&format!("{event}.click()"));
     let meaning = browser.text("return document.querySelector('#legend [role=status]').textContent");

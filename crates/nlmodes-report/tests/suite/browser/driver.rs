@@ -16,12 +16,12 @@ const FLAGS: [&str; 10] = [
     "--disable-component-update",
     "--disable-sync",
     "--disable-dev-shm-usage",
-    // Whatever asked for a name would get no answer.
+    // Name resolution would fail.
     "--host-resolver-rules=MAP * ~NOTFOUND",
 ];
 const BROWSERS: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
 
-/// A page in a browser of its own.
+/// A page in its own browser.
 pub struct Browser {
     driver: Child,
     session: String,
@@ -104,7 +104,7 @@ impl Browser {
         self.send("se/log", &json!({ "type": "browser" })).as_array().cloned().unwrap_or_default()
     }
 
-    /// Every address that a document from a file asked for, itself included; not those of the browser's own first page.
+    /// Every address requested by a document from a file, including itself; not those of the browser's own first page.
     pub fn requests(&self) -> Vec<String> {
         let log = self.send("se/log", &json!({ "type": "performance" }));
         let entries = log.as_array().expect("a log").iter();
@@ -156,7 +156,7 @@ fn post(address: &str, body: &Value) -> Value {
 }
 
 fn move_to(x: f64, y: f64) -> Value {
-    // Of fractions of pixels the browser would drop the rest, up to a whole one.
+    // The browser truncates fractions of pixels, an error of up to one pixel.
     let (x, y) = (x.round(), y.round());
     json!({ "type": "pointerMove", "duration": 0, "x": x, "y": y, "origin": "viewport" })
 }

@@ -1,5 +1,4 @@
-//! Where things stand: nothing lies over something else, tables end with a row, and a narrow window has lines that can
-//! be read.
+//! Layout: no overlaps, tables end with a complete row, and lines are readable in a narrow window.
 
 use super::*;
 

@@ -98,7 +98,7 @@ fn values_that_cannot_be_shown_interrupt_the_curve() {
 
 #[test]
 fn the_legend_names_what_has_a_point_in_its_figure() {
-    // A test gives amplitudes, and no energies; nobody judged its stability.
+    // A test has amplitudes but no energies; its stability is unknown.
     let mut test = samples::rod(4, 1);
     test.label = "measured".into();
     test.points.iter_mut().for_each(|point| (point.kinetic_energy, point.stability) = (f64::NAN, None));

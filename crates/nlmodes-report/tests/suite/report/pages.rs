@@ -122,7 +122,7 @@ fn long_branch_keeps_points_with_events_and_a_sensible_size() {
     assert!(page.len() < 4_000_000, "{}", page.len());
 }
 
-/// A contact of the period of a point of the rod that closes for a fifth of it, a little later at each stop.
+/// A contact that is closed for a fifth of the period, slightly later at each stop.
 fn contact_histories(_: usize, point: usize) -> Option<Vec<TimeHistory>> {
     let time: Vec<f64> = (0..=600).map(|k| f64::from(k) / 600.0).collect();
     let history = |stop: usize| {
@@ -159,7 +159,7 @@ fn ten_branches_of_five_hundred_points_before_ten_stops_stay_under_five_megabyte
         for (k, point) in branch.points.iter_mut().enumerate() {
             point.contacts = (0..10).map(|stop| period(stop, k)).collect();
             point.omega *= 1.0 + 1e-3 * (number * k) as f64 / 500.0;
-            // With ten stops, contacts come and go at every third point.
+            // With ten stops, contacts change at every third point.
             if k % 3 == 0 {
                 point.events.push(Event::ContactChange);
             }
@@ -235,7 +235,7 @@ fn participation_has_a_panel_a_mode_and_a_curve_a_branch() {
     assert_eq!(curves.count(), 4);
     let found = column(&data(&page)["branches"][1]["participation"][1]);
     assert_eq!((found[4], found[5], found.len()), (4e-3, 5e-3, 20));
-    // Left out where it is not given for each branch, refused where it is not given for each point.
+    // Omitted if it is not given for each branch, rejected if it is not given for each point.
     let one = HtmlReport::new("rod", &all).participation(&slices[..1]).render().unwrap();
     assert!(!one.contains("id=\"participations\""));
     let short = [slices[0], &slices[1][1..]];
@@ -268,8 +268,8 @@ fn empty_branch_makes_a_page_and_a_missing_point_an_error() {
     assert!(matches!(missing, Err(ReportError::NoSuchPoint { point: 0, n_points: 0, .. })));
 }
 
-/// Whose the largest force is, where there are several stops: not always that of the first one, whose share of closure
-/// stands beside it.
+/// The stop with the largest force, if there are several: not always the first one, whose contact share is shown beside
+/// it.
 #[test]
 fn key_points_say_at_which_stop_the_largest_force_is() {
     let contact = |peak_force| ContactPeriod {

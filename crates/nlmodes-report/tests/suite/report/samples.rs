@@ -79,7 +79,7 @@ fn branch(
     ModalBranch { label: label.into(), coordinates, contact_coordinate, stop: Some(STOP), points, end }
 }
 
-/// A branch with a loop as an internal resonance makes it, with folds, a kink and a branch point.
+/// A branch with the loop of an internal resonance, with folds, a kink and a branch point.
 pub fn looped(n: usize) -> ModalBranch {
     let mut branch = rod(n, 1);
     branch.label = "MS-HBM, 3 harmonics".into();

@@ -95,7 +95,7 @@ fn harmonics_read_back() {
     assert_eq!(kinds.into_vec::<String>().unwrap()[77..], ["rotation", "axial", "rotation"]);
 }
 
-/// Skipped where there is no Python with NumPy: the format itself is checked above.
+/// Skipped without Python with NumPy: the format itself is checked above.
 #[test]
 fn numpy_loads_the_harmonics_without_pickle() {
     let python = std::env::var("NLMODES_PYTHON").unwrap_or_else(|_| "python3".into());
