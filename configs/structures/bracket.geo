@@ -1,4 +1,4 @@
-// An angle bracket of steel, mm: the foot stands on z = 0 and is clamped there, the pad is the outer face of the upright's end.
+// An angle bracket of steel, mm: the foot is on z = 0 and clamped there, the pad is the outer face of the upright's end.
 SetFactory("OpenCASCADE");
 Box(1) = {0, 0, 0, 30, 20, 4};
 Box(2) = {0, 0, 4, 4, 20, 36};

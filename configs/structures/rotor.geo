@@ -1,4 +1,4 @@
-// A bladed ring of steel, mm: the bore of radius 10 is clamped, the tips of its three blades, at radius 50, stand before a casing.
+// A bladed ring of steel, mm: the bore of radius 10 is clamped, the tips of its three blades, at radius 50, are inside a casing.
 SetFactory("OpenCASCADE");
 Cylinder(1) = {0, 0, -3, 0, 0, 6, 16};
 Cylinder(2) = {0, 0, -3, 0, 0, 6, 10};
