@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use nlmodes_io::{Address, Format, LabelTable, Mesh, ReadError, Skin, read_matrix};
 
 /// Names of the targets: the endings of the files.
-pub const TARGETS: [&str; 11] =
-    ["sti", "matrix-market", "abaqus", "npz", "mat5", "mat73", "hb", "pch", "labels", "inp", "msh"];
+pub const TARGETS: [&str; 12] =
+    ["sti", "matrix-market", "abaqus", "npz", "mat5", "mat73", "hb", "pch", "labels", "inp", "msh", "bdf"];
 
 /// Words of the text formats.
 pub const WORDS: &[&str] = &[
@@ -36,6 +36,16 @@ pub const WORDS: &[&str] = &[
     "%%MatrixMarket matrix array real general\n",
     "coordinate",
     "DMIG*   ",
+    "DMIG,KAAX,1,1,,",
+    "GRID,1,,0.,0.,0.,3\n",
+    "CORD2C,3,,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\n",
+    "INCLUDE 'case.bdf'\n",
+    "SET1,4,1,THRU,3\n",
+    "*USER ELEMENT, NODES=2\n",
+    "*MATRIX, TYPE=MASS\n",
+    "*TRANSFORM, NSET=ALL\n",
+    "*RIGID BODY, NSET=A, REF NODE=1, ROT NODE=2\n",
+    "*ELEMENT, TYPE=S8R\n",
     "99999999999",
     "2147483647",
     "\0",
@@ -48,6 +58,8 @@ const MATRIX_MARKET: &str =
 const GENERAL: &str = "%%MatrixMarket matrix coordinate integer general\n2 2 4\n1 1 2\n2 1 -1\n1 2 -1\n2 2 2\n";
 const ARRAY: &str = "%%MatrixMarket matrix array real symmetric\n2 2\n2\n-1\n2\n";
 const ABAQUS: &str = "** x\n1,1, 1,1, 2.0\n1,2, 1,1, -1.0\n1,2, 1,2, 2.0\n2,1, 2,1, 1.0e36\n";
+const USER_ELEMENT: &str = "** x\n*USER ELEMENT, NODES=2, LINEAR\n** ELEMENT NODES\n** 4, 7\n1, 6\n2, 1\n*MATRIX,TYPE=STIFFNESS\n2.0\n0.0, 3.0\n-1.0, 0.0, 2.0\n*MATRIX,TYPE=MASS\n1.0\n0.0, 1.0\n0.0, 0.0, 1.0\n";
+const BULK: &str = "SOL 103\nBEGIN BULK\nCORD2C,3,,1.,0.,0.,1.,0.,1.\n,2.,0.,0.\nGRID,1,3,2.,60.,0.5,3\nGRID           2              1.      0.      0.\nGRID*                  3                              0.              1.\n*                     0.\nGRID,4,,0.,0.,1.\nCTETRA,1,1,1,2,3,4\nSET1,5,1,THRU,3\nENDDATA\n";
 const HARWELL_BOEING: &str = "t                                                                       key     \n             3             1             1             1             0\nRSA                        2             2             3             0\n(8I10)          (8I10)          (3D25.17)           \n         1         3         4\n         1         2         2\n   2.00000000000000000D+00  -1.00000000000000000D+00   2.00000000000000000D+00\n";
 const DMIG: &str = "$ x\nDMIG    KAAX           0       6       2       0                       2\nDMIG*   KAAX                           1               1\n*                      1               1 2.000000000D+00\n*                      1               2-1.000000000D+00\nDMIG*   KAAX                           1               2\n*                      1               2 2.000000000D+00\n";
 const LABELS: [&str; 3] = [
@@ -72,15 +84,22 @@ pub fn corpus(target: &str) -> Option<Vec<Vec<u8>>> {
     Some(match target {
         "sti" => texts(&[CALCULIX]),
         "matrix-market" => texts(&[MATRIX_MARKET, GENERAL, ARRAY]),
-        "abaqus" => texts(&[ABAQUS]),
+        "abaqus" => texts(&[ABAQUS, USER_ELEMENT]),
         "npz" => vec![fixture!("K_csc.npz"), fixture!("M_csr.npz"), fixture!("M_coo.npz"), fixture!("twice.npz")],
-        "mat5" => vec![fixture!("packed.mat"), fixture!("plain.mat"), fixture!("wide.mat")],
-        "mat73" => vec![fixture!("hdf5.mat")],
+        "mat5" => vec![
+            fixture!("packed.mat"),
+            fixture!("plain.mat"),
+            fixture!("wide.mat"),
+            fixture!("nested.mat"),
+            fixture!("nested_plain.mat"),
+        ],
+        "mat73" => vec![fixture!("hdf5.mat"), fixture!("nested73.mat")],
         "hb" => texts(&[HARWELL_BOEING]),
-        "pch" => texts(&[DMIG]),
+        "pch" => texts(&[DMIG, &format!("{BULK}{DMIG}")]),
         "labels" => texts(&LABELS),
         "inp" => texts(&[DECK]),
         "msh" => texts(&GMSH),
+        "bdf" => texts(&[BULK, DMIG]),
         _ => return None,
     })
 }
@@ -95,7 +114,7 @@ pub fn read(target: &str, directory: &Path, bytes: &[u8]) {
         "labels" => ["case.dof", "case.mapping", "case.csv"].iter().filter_map(|name| written(name)).for_each(|path| {
             refused(LabelTable::read(&path).map(drop));
         }),
-        "inp" | "msh" => written(&format!("case.{target}")).into_iter().for_each(|path| {
+        "inp" | "msh" | "bdf" => written(&format!("case.{target}")).into_iter().for_each(|path| {
             refused(Mesh::read(&path).map(|mesh| drop((Skin::of(&mesh).normals(&mesh), Skin::of(&mesh).edges()))));
         }),
         _ => {
@@ -109,13 +128,19 @@ pub fn read(target: &str, directory: &Path, bytes: &[u8]) {
                 _ => Format::Mat,
             };
             let Some(path) = written("case.matrix") else { return };
-            let name = matches!(format, Format::Mat).then(|| "K".to_owned());
-            let address = Address { path, name };
-            for order in [None, Some(24)] {
-                refused(read_matrix(&address, format, order).map(|matrix| {
-                    let n = matrix.lower.order();
-                    assert!(matrix.lower.entries().all(|(i, j, value)| j <= i && i < n && value.is_finite()));
-                }));
+            let names: &[Option<&str>] = match format {
+                Format::Mat => &[Some("K"), Some("FEM.model.K"), Some("KM{1}")],
+                Format::Abaqus => &[None, Some("STIFFNESS")],
+                _ => &[None],
+            };
+            for name in names {
+                let address = Address { path: path.clone(), name: name.map(str::to_owned) };
+                for order in [None, Some(24)] {
+                    refused(read_matrix(&address, format, order).map(|matrix| {
+                        let n = matrix.lower.order();
+                        assert!(matrix.lower.entries().all(|(i, j, value)| j <= i && i < n && value.is_finite()));
+                    }));
+                }
             }
         }
     }

@@ -12,7 +12,9 @@ mod mat73;
 mod matlab;
 mod matrix_market;
 mod npz;
+mod user_element;
 
+use std::collections::HashMap;
 use std::fmt;
 use std::io::Read;
 use std::path::Path;
@@ -33,7 +35,8 @@ pub enum Format {
     Calculix,
     /// Matrix Market exchange format, coordinate or array, symmetric or general.
     MatrixMarket,
-    /// `node,dof, node,dof, value`, as Abaqus writes with `FORMAT=MATRIX INPUT`.
+    /// `node,dof, node,dof, value`, as Abaqus writes with `FORMAT=MATRIX INPUT`, or the triangles of a user element, as
+    /// it writes with `*SUBSTRUCTURE MATRIX OUTPUT`.
     Abaqus,
     /// `scipy.sparse.save_npz`: compressed columns, compressed rows or coordinates.
     Npz,
@@ -74,7 +77,7 @@ impl Format {
             "npz" => Ok(Self::Npz),
             "mat" => Ok(Self::Mat),
             "hb" | "rsa" | "rb" | "hbmat" | "matrix" => Ok(Self::HarwellBoeing),
-            "pch" | "dmig" | "bdf" => Ok(Self::Dmig),
+            "pch" | "dmig" | "bdf" | "nas" => Ok(Self::Dmig),
             "mtx" | "mm" => {
                 let mut first = [0; 14];
                 let read = crate::text::open(&address.path)?.read(&mut first);
@@ -128,6 +131,11 @@ pub struct MatrixData {
     pub labels: Option<Vec<DofLabel>>,
     /// Degrees of freedom left out since the file holds them by 1e30 and more on the diagonal (Abaqus).
     pub fixed: Vec<DofLabel>,
+    /// Places of nodes that the file has beside its matrices, in its unit of length (GRID in a punch of Nastran).
+    pub positions: HashMap<u64, [f64; 3]>,
+    /// Axes along which displacements of nodes are where these are not the global ones; none where the file does not
+    /// say them.
+    pub directions: HashMap<u64, Option<[[f64; 3]; 3]>>,
 }
 
 /// Reads a symmetric matrix as it stands in the file, in the file's units.
@@ -140,21 +148,26 @@ pub struct MatrixData {
 pub fn read_matrix(address: &Address, format: Format, order: Option<usize>) -> Result<MatrixData> {
     let path = &address.path;
     let plain = |lower| MatrixData { lower, ..MatrixData::default() };
-    let many = matches!(format, Format::Mat | Format::Dmig);
-    if let (Some(name), false) = (&address.name, many) {
-        let expected = "the file alone: this format holds a single matrix without a name".into();
-        let problem = Problem::Expected { expected, found: format!("`#{name}` behind it") };
-        return Err(ReadError::whole(path, problem));
+    let many = matches!(format, Format::Mat | Format::Dmig | Format::Abaqus);
+    if !many {
+        check_unnamed(path, address.name.as_deref())?;
     }
     match format {
         Format::Calculix => calculix::read(path, order).map(plain),
         Format::MatrixMarket => matrix_market::read(path, order).map(plain),
-        Format::Abaqus => abaqus::read(path),
+        Format::Abaqus => abaqus::read(path, address.name.as_deref()),
         Format::Npz => npz::read(path, order).map(plain),
         Format::Mat => matlab::read(path, address.name.as_deref(), order).map(plain),
         Format::HarwellBoeing => harwell_boeing::read(path, order).map(plain),
         Format::Dmig => dmig::read(path, address.name.as_deref()),
     }
+}
+
+/// No name may stand behind the file of a single matrix.
+fn check_unnamed(path: &Path, name: Option<&str>) -> Result<()> {
+    let Some(name) = name else { return Ok(()) };
+    let expected = "the file alone: this format holds a single matrix without a name".into();
+    Err(ReadError::whole(path, Problem::Expected { expected, found: format!("`#{name}` behind it") }))
 }
 
 /// A number of rows that a file claims: the expected one, or at least one that can be held.

@@ -94,6 +94,19 @@ pub struct LabelTable {
     pub labels: Vec<DofLabel>,
     /// Places of nodes, in the file's unit of length.
     pub positions: HashMap<u64, [f64; 3]>,
+    /// The first label that comes a second time: CalculiX repeats those of nodes that it expands into several ones.
+    pub repeated: Option<RepeatedLabel>,
+}
+
+/// A label that comes a second time in a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RepeatedLabel {
+    /// The label.
+    pub label: DofLabel,
+    /// Its line, from 1.
+    pub line: u64,
+    /// The line in which it came first.
+    pub before: u64,
 }
 
 impl LabelTable {
@@ -146,6 +159,6 @@ pub(crate) fn repeated(label: DofLabel, line: u64) -> Problem {
     Problem::Expected { expected: "each node and direction once".into(), found: found_again(label, line) }
 }
 
-fn found_again(label: DofLabel, line: u64) -> String {
+pub(crate) fn found_again(label: DofLabel, line: u64) -> String {
     format!("{label} a second time, after line {line}")
 }

@@ -6,9 +6,9 @@
 //!
 //! | what | files | item |
 //! | --- | --- | --- |
-//! | matrices | CalculiX `.sti` and `.mas`; SciPy `.npz`; Matrix Market `.mtx`; Abaqus `MATRIX INPUT` `.mtx`; MATLAB `.mat`, 5 to 7.3; Ansys `HBMAT`; Nastran DMIG | [`read_matrix`], [`Format`] |
+//! | matrices | CalculiX `.sti` and `.mas`; SciPy `.npz`; Matrix Market `.mtx`; Abaqus `MATRIX INPUT` and substructures, `.mtx`; MATLAB `.mat`, 5 to 7.3; Ansys `HBMAT`; Nastran DMIG | [`read_matrix`], [`Format`] |
 //! | names of the rows | CalculiX `.dof`; Ansys `.mapping`; tables `row,node,component[,x,y,z]` | [`LabelTable`] |
-//! | meshes | `.inp` of CalculiX and Abaqus; Gmsh `.msh` 4.1 and 2.2 as text | [`Mesh`] |
+//! | meshes | `.inp` of CalculiX and Abaqus; Gmsh `.msh` 4.1 and 2.2 as text; bulk data of Nastran | [`Mesh`] |
 //! | all of them together, in SI units | | [`FeModel`], [`FeFiles`], [`UnitSystem`] |
 //! | contacts of nodes with walls and with each other, as sparse directions `W` | pairs: `node_a,node_b[,nx,ny,nz,gap_m]` | [`find_contacts`], [`FeModel::contact_directions`] |
 //! | motions of the skin of a mesh | `.vtu` and `.pvd` | [`Surface`], [`Skin`] |
@@ -53,10 +53,12 @@ mod build;
 mod contact;
 mod error;
 mod formats;
+mod keyword;
 mod labels;
 mod lower;
 mod mesh;
 mod model;
+mod nastran;
 mod paraview;
 mod text;
 mod units;
@@ -68,7 +70,7 @@ pub use contact::{
 };
 pub use error::{Place, Problem, ReadError, Result};
 pub use formats::{Format, MatrixData, UnknownFormat, read_matrix};
-pub use labels::{Component, DofLabel, LabelTable};
+pub use labels::{Component, DofLabel, LabelTable, RepeatedLabel};
 pub use lower::LowerTriangle;
 pub use mesh::{Element, ElementKind, Mesh, Skin, SkinCell};
 pub use model::{FeFiles, FeModel, NodeChoice};

@@ -1,5 +1,8 @@
 use nlmodes_linalg::{LinalgError, SparseMatrix, sparse_from_columns};
 
+/// Each unknown in terms `(k, T_ik)` of others, `q_i = Σ T_ik p_k`.
+pub(crate) type Motion = Vec<Vec<(usize, f64)>>;
+
 /// The lower triangle of a symmetric matrix, diagonal included, in compressed columns.
 ///
 /// `values[p]`, `column_starts[j] ≤ p < column_starts[j + 1]`, stands in row `rows[p] ≥ j` of column `j`; rows ascend
@@ -74,6 +77,38 @@ impl LowerTriangle {
             counts[j + 1] += counts[j];
         }
         Self { column_starts: counts, rows, values }
+    }
+
+    /// `Tᵀ A T` with `q_i = Σ T_ik p_k`, of which `motion[i]` has the terms `(k, T_ik)`; as many unknowns as before.
+    pub(crate) fn congruent(&self, motion: &Motion) -> Self {
+        let n = self.order();
+        let mut columns: Vec<Vec<(usize, f64)>> = vec![Vec::new(); n];
+        for (i, j, value) in self.entries() {
+            for &(k, of_i) in &motion[i] {
+                for &(l, of_j) in &motion[j] {
+                    // An entry beside the diagonal stands for its mirror image too, of which one triangle is kept.
+                    let twice = if i != j && k == l { 2.0 } else { 1.0 };
+                    if i != j || k >= l {
+                        columns[k.min(l)].push((k.max(l), twice * of_i * of_j * value));
+                    }
+                }
+            }
+        }
+        let mut new = Self { column_starts: vec![0], ..Self::default() };
+        for mut column in columns {
+            column.sort_by_key(|(row, _)| *row);
+            for same in column.chunk_by(|a, b| a.0 == b.0) {
+                let sum: f64 = same.iter().map(|(_, value)| value).sum();
+                // What rounding leaves of terms that cancel would be an entry where there is none.
+                let rounding = f64::EPSILON * same.iter().map(|(_, value)| value.abs()).sum::<f64>();
+                if sum.abs() > rounding {
+                    new.rows.push(same[0].0);
+                    new.values.push(sum);
+                }
+            }
+            new.column_starts.push(new.rows.len());
+        }
+        new
     }
 
     /// The whole symmetric matrix, both triangles.

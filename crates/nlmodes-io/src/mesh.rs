@@ -1,19 +1,23 @@
 //! Nodes, elements and sets.
 
+mod bulk;
 mod deck;
 mod gmsh;
 mod kind;
 mod skin;
+mod source;
 mod tributary;
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::Path;
 
+pub(crate) use bulk::included;
 pub use kind::ElementKind;
 pub use skin::{Skin, SkinCell};
 
 use crate::Address;
 use crate::error::{Problem, ReadError, Result, shown};
+use crate::nastran::Directions;
 
 /// An element of a mesh.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,6 +28,31 @@ pub struct Element {
     pub kind: ElementKind,
     /// Indices of its nodes: corners, then the middles of edges, in the order of [`ElementKind::edges`].
     pub nodes: Vec<u32>,
+}
+
+/// What CalculiX makes of a node of a shell, beam, truss, plane or axisymmetric element.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Expanded {
+    /// Nodes that all move with it within the plane z = 0.
+    InPlane,
+    /// So many nodes, whose mean motion is its own.
+    Copies(usize),
+    /// So many nodes beside itself: it is a hinge between elements.
+    Hinge(usize),
+    /// Elements of both kinds meet.
+    Mixed,
+}
+
+impl Expanded {
+    /// What becomes of the node where another element meets it.
+    fn with(self, other: Self) -> Self {
+        match (self, other) {
+            (Self::InPlane, Self::InPlane) => Self::InPlane,
+            (Self::Copies(a), Self::Copies(b)) => Self::Copies(a.max(b)),
+            (Self::Hinge(a), Self::Hinge(b)) => Self::Hinge(a + b),
+            _ => Self::Mixed,
+        }
+    }
 }
 
 /// Nodes with their places, elements, and named sets of nodes.
@@ -44,10 +73,19 @@ pub struct Mesh {
     /// knows nothing of supports.
     pub supports: Option<BTreeMap<u64, [bool; 3]>>,
     index: HashMap<u64, u32>,
+    /// Directions of nodes whose displacements are not along the global axes (`CD` of Nastran's `GRID`).
+    pub(crate) directions: HashMap<u64, Directions>,
+    /// Nodes with directions of their own in a deck (`*TRANSFORM`), and whether its matrices have them too.
+    pub(crate) transformed: BTreeSet<u64>,
+    pub(crate) matrices_are_transformed: bool,
+    /// Nodes of a deck whose displacements are the rotations of a rigid body (`ROT NODE`).
+    pub(crate) rotations: BTreeSet<u64>,
+    /// Nodes of a deck that CalculiX replaces by several ones: shells, beams, plane and axisymmetric elements.
+    pub(crate) expanded: BTreeMap<u64, Expanded>,
 }
 
 impl Mesh {
-    /// Reads a mesh: `.inp` of CalculiX or Abaqus, `.msh` of Gmsh (4.1 and 2.2, as text).
+    /// Reads a mesh: `.inp` of CalculiX or Abaqus, `.msh` of Gmsh (4.1 and 2.2, as text), bulk data of Nastran.
     ///
     /// # Errors
     /// [`ReadError`] with the line and what was expected there.
@@ -56,8 +94,9 @@ impl Mesh {
         match address.ending().as_str() {
             "inp" => deck::read(path),
             "msh" => gmsh::read(path),
+            "bdf" | "dat" | "nas" | "pch" => bulk::read(path),
             ending => {
-                let expected = "a mesh that ends in .inp or .msh".to_owned();
+                let expected = "a mesh that ends in .inp, .msh, .bdf, .dat, .nas or .pch".to_owned();
                 let found = shown(format!(".{ending}").as_bytes());
                 Err(ReadError::whole(path, Problem::Expected { expected, found }))
             }

@@ -1,10 +1,13 @@
 //! Matrices, labels and mesh together.
 
 mod assemble;
+mod expanded;
 mod files;
 mod inner;
+mod turned;
 
 use std::collections::{HashMap, HashSet};
+use std::ops::Range;
 
 pub use files::{FeFiles, NodeChoice};
 
@@ -34,6 +37,8 @@ pub struct FeModel {
     pub fixed_mass: Vec<(usize, DofLabel, f64)>,
     places: HashMap<u64, [f64; 3]>,
     rows: HashMap<DofLabel, usize>,
+    /// Numbers of nodes that stand for unknowns within elements, which no file names.
+    within: Range<u64>,
 }
 
 impl FeModel {
@@ -56,7 +61,7 @@ impl FeModel {
     }
 
     /// Whether a displacement that has no row is held: by the files, by `fixed`, or by the deck. If it is not, it
-    /// depends on others (`*EQUATION`, `*RIGID BODY`, `*TIE`); none where nothing is known of supports, or where no
+    /// depends on others (`*EQUATION`, `*RIGID BODY`, `*TIE`, `*COUPLING`); none where nothing is known of supports, or where no
     /// node moves along that axis.
     pub fn is_held(&self, node: u64, component: Component) -> Option<bool> {
         if self.fixed.contains(&DofLabel { node, component }) {
@@ -164,7 +169,9 @@ impl FeModel {
         let nodes: Vec<u64> = set.iter().copied().filter(|node| present.contains(node)).collect();
         if nodes.is_empty() {
             let found = format!(
-                "the node set `{name}` of {} nodes, none of them with a row in the matrices: all are fixed, or dependent on other nodes (*EQUATION, *MPC, *RIGID BODY)",
+                "the node set `{name}` of {} nodes, none of them with a row in the matrices: all are fixed, or dependent on other \
+                 nodes (*EQUATION, *MPC, *TIE, nodes of a *RIGID BODY or *COUPLING; the reference node of a rigid body or \
+                 of a *KINEMATIC coupling has rows, that of a *DISTRIBUTING one has none)",
                 set.len()
             );
             let problem = Problem::Expected { expected: "a set with free nodes".into(), found };

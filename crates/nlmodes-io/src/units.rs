@@ -99,7 +99,7 @@ impl fmt::Display for UnitSystem {
 /// There is no such system of units.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error(
-    "there are no units `{name}`; expected length-mass-time, as mm-t-s, with m, mm, cm, um, in or ft; kg, t, g, mg, lb, slinch or slug; \
+    "there are no units `{name}`; expected SI or length-mass-time, as mm-t-s, with m, mm, cm, um, in or ft; kg, t, g, mg, lb, slinch or slug; \
      s, ms or us"
 )]
 pub struct UnknownUnits {
@@ -111,6 +111,9 @@ impl FromStr for UnitSystem {
     type Err = UnknownUnits;
 
     fn from_str(name: &str) -> Result<Self, UnknownUnits> {
+        if name.eq_ignore_ascii_case("SI") {
+            return Ok(Self::SI);
+        }
         let unknown = || UnknownUnits { name: name.to_owned() };
         let parts: Vec<&str> = name.split('-').collect();
         let [length, mass, time] = parts[..] else { return Err(unknown()) };
@@ -159,6 +162,9 @@ mod tests {
     fn unknown_units_are_refused() {
         for name in ["", "mm", "mm-t", "mm-t-s-s", "MM-T-S", "mm-s-t"] {
             assert_eq!(name.parse::<UnitSystem>(), Err(UnknownUnits { name: name.into() }));
+        }
+        for name in ["SI", "si", "Si", "m-kg-s"] {
+            assert_eq!(name.parse(), Ok(UnitSystem::SI));
         }
         assert_eq!("mm-kg-ms".parse::<UnitSystem>().unwrap().to_string(), "mm-kg-ms");
     }

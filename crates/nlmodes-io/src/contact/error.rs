@@ -22,7 +22,9 @@ pub enum ContactProblem {
     Read(#[from] ReadError),
     /// The node has no row.
     #[error(
-        "node {node} has no displacement in the matrices: it is fixed, dependent on other nodes (*EQUATION, *MPC, *RIGID BODY), or not there"
+        "node {node} has no displacement in the matrices: it is fixed, dependent on other nodes (*EQUATION, *MPC, *TIE, \
+         nodes of a *RIGID BODY or *COUPLING; the reference node of a rigid body or of a *KINEMATIC coupling has rows, \
+         that of a *DISTRIBUTING one has none), a node of rotations (ROT NODE), or not there"
     )]
     NoDisplacement {
         /// The node.
@@ -30,8 +32,9 @@ pub enum ContactProblem {
     },
     /// The node is held along the normal.
     #[error(
-        "node {node} cannot move along its normal [{}, {}, {}]: it is fixed there, or dependent on other nodes (*EQUATION, *MPC, *RIGID BODY); take a node that is \
-         free, or the one that it follows",
+        "node {node} cannot move along its normal [{}, {}, {}]: it is fixed there, or dependent on other nodes \
+         (*EQUATION, *MPC, *TIE, *COUPLING, *RIGID BODY), or one of several nodes that CalculiX made of it is; take a \
+         node that is free, or the one that it follows",
         normal[0], normal[1], normal[2]
     )]
     HeldAlongNormal {

@@ -3,6 +3,7 @@ use std::collections::HashMap;
 use super::{
     ContactChoice, ContactError, ContactNodes, ContactProblem, GapChoice, NodeContact, NormalChoice, Partner, pairs,
 };
+use crate::labels::Component;
 use crate::mesh::Skin;
 use crate::model::{FeFiles, FeModel};
 
@@ -193,6 +194,18 @@ impl One<'_> {
             return Err(ContactProblem::NoDisplacement { node });
         }
         if contact.column(self.model, 0).iter().all(|entry| entry.2.abs() < 1e-9) {
+            return Err(ContactProblem::HeldAlongNormal { node, normal });
+        }
+        // Part of the normal along which a node moves with others is not known from its own rows. Of a deck without
+        // any support nobody knows what is held.
+        let mesh = self.model.mesh.as_ref();
+        let supported = mesh.and_then(|mesh| mesh.supports.as_ref()).is_some_and(|supports| !supports.is_empty());
+        let depends = |node: &u64| {
+            let mut along = self.model.translations_of(*node).into_iter().zip(Component::DIRECTED).zip(normal);
+            let unknown = |component| self.model.is_held(*node, component) == Some(false);
+            supported && along.any(|((row, component), part)| row.is_none() && part.abs() > 1e-9 && unknown(component))
+        };
+        if let Some(node) = std::iter::once(node).chain(against).find(depends) {
             return Err(ContactProblem::HeldAlongNormal { node, normal });
         }
         Ok(())

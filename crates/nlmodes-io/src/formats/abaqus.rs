@@ -1,24 +1,36 @@
-//! `node,dof, node,dof, value`: what Abaqus writes with `*MATRIX OUTPUT, FORMAT=MATRIX INPUT`, one triangle.
+//! What Abaqus writes as text: `node,dof, node,dof, value` with `*MATRIX OUTPUT, FORMAT=MATRIX INPUT`, one triangle or
+//! both of them, and user elements.
 
 use std::path::Path;
 
-use super::MatrixData;
 use super::labelled::{LabelledBuilder, label};
+use super::{MatrixData, check_unnamed, user_element};
 use crate::build::{Fault, Pass, Triangles, with_lines_of_faults};
 use crate::error::{Problem, ReadError, Result};
 use crate::labels::DofLabel;
 use crate::text::{Lines, commas, signed};
 
-pub(super) fn read(path: &Path) -> Result<MatrixData> {
+pub(super) fn read(path: &Path, name: Option<&str>) -> Result<MatrixData> {
+    if user_element::is_one(path)? {
+        return user_element::read(path, name);
+    }
+    check_unnamed(path, name)?;
+    let triangles = match pass(path, Triangles::One, None)? {
+        (Pass::Read(matrix), _) => return Ok(matrix),
+        (Pass::Faulty(_), triangles) => triangles,
+    };
     with_lines_of_faults(
-        |fault| pass(path, fault),
+        |fault| pass(path, triangles, fault).map(|(matrix, _)| matrix),
         |fault| ReadError::whole(path, fault.problem(|k| format!("degree of freedom {}", k + 1))),
     )
 }
 
-fn pass(path: &Path, fault: Option<Fault>) -> Result<Pass<MatrixData>> {
+/// The matrix, and which triangles the file seems to hold: both of them where as many entries are above the diagonal
+/// as below it.
+fn pass(path: &Path, triangles: Triangles, fault: Option<Fault>) -> Result<(Pass<MatrixData>, Triangles)> {
     let mut lines = Lines::open(path)?;
-    let mut builder = LabelledBuilder::new(Triangles::One, fault);
+    let mut builder = LabelledBuilder::new(triangles, fault);
+    let (mut above, mut below) = (0_u64, 0_u64);
     while lines.advance_whole()? {
         let line = lines.line().trim_ascii();
         if line.is_empty() || line.starts_with(b"**") {
@@ -31,12 +43,15 @@ fn pass(path: &Path, fault: Option<Fault>) -> Result<Pass<MatrixData>> {
         if let Some(more) = fields.next() {
             return Err(lines.expected("the end of the line after `node,dof, node,dof, value`", more));
         }
+        above += u64::from(row < column);
+        below += u64::from(row > column);
         builder.push(row, column, value).map_err(|problem| lines.error(problem))?;
     }
     if builder.is_empty() {
         return Err(lines.ended("a line `node,dof, node,dof, value`"));
     }
-    Ok(builder.finish())
+    let both = above == below && above > 0;
+    Ok((builder.finish(), if both { Triangles::Both } else { Triangles::One }))
 }
 
 fn dof(lines: &Lines, node: &[u8], direction: &[u8]) -> Result<DofLabel> {

@@ -1,5 +1,5 @@
-//! Direct matrix input at grid points, as Nastran punches: fields of 8 or 16 characters, symmetric (form 6) or square
-//! (form 1).
+//! Direct matrix input at grid points, as Nastran punches: fields of 8 or 16 characters or between commas, symmetric
+//! (form 6) or square (form 1), among any other cards.
 
 use std::path::Path;
 
@@ -8,112 +8,230 @@ use super::labelled::{LabelledBuilder, label};
 use crate::build::{Fault, Pass, Triangles, with_lines_of_faults};
 use crate::error::{Problem, ReadError, Result};
 use crate::labels::DofLabel;
+use crate::mesh::included;
+use crate::nastran::{BulkCard, BulkLine, Points, Start};
 use crate::text::{Lines, real, unsigned};
 
-/// Entries of a punch file that say nothing about matrices.
-const PASSED_OVER: [&[u8]; 14] = [
-    b"$",
-    b"TITLE",
-    b"SUBTITLE",
-    b"LABEL",
-    b"BEGIN",
-    b"ENDDATA",
-    b"GRID",
-    b"CORD",
-    b"SPOINT",
-    b"ASET",
-    b"EXTRN",
-    b"SEBULK",
-    b"INCLUDE",
-    b"PARAM",
-];
-
 pub(super) fn read(path: &Path, name: Option<&str>) -> Result<MatrixData> {
-    let name = match name {
-        Some(name) => name.to_owned(),
-        None => only_name(path)?,
-    };
-    with_lines_of_faults(
-        |fault| pass(path, &name, fault),
+    let contents = Contents::read(path)?;
+    let name = contents.chosen(path, name)?;
+    let mut matrix = with_lines_of_faults(
+        |fault| Reader::new(&name, fault).read(path),
         |fault| ReadError::whole(path, fault.problem(|k| format!("degree of freedom {}", k + 1))),
-    )
+    )?;
+    let located = contents.points.locate(path);
+    matrix.positions = located.places.into_iter().collect();
+    matrix.directions = located.directions;
+    Ok(matrix)
 }
 
-/// Names of the matrices, from their headers.
-fn names(path: &Path) -> Result<Vec<String>> {
-    let mut lines = Lines::open(path)?;
-    let mut names = Vec::new();
-    while lines.advance_whole()? {
-        if let Card::Header { name, .. } = card(&lines)? {
-            names.push(name);
+/// What a file holds beside the entries of matrices.
+#[derive(Default)]
+struct Contents {
+    names: Vec<String>,
+    included: Vec<String>,
+    points: Points,
+}
+
+impl Contents {
+    fn read(path: &Path) -> Result<Self> {
+        let mut lines = Lines::open(path)?;
+        let mut contents = Self::default();
+        let mut card: Option<BulkCard> = None;
+        while lines.advance_whole()? {
+            let line = BulkLine::read(lines.line());
+            match line.start {
+                Start::Comment => {}
+                Start::More => card.iter_mut().for_each(|card| card.extend(&line)),
+                Start::Card => contents.take(path, card.replace(BulkCard::begin(&line, lines.number())))?,
+                Start::Results => contents.take(path, card.take())?,
+            }
+            if line.start == Start::Card && !contents.begin(&lines, &line)? {
+                card = None;
+            }
         }
+        contents.take(path, card)?;
+        Ok(contents)
     }
-    Ok(names)
-}
 
-fn only_name(path: &Path) -> Result<String> {
-    let names = names(path)?;
-    match names.as_slice() {
-        [name] => Ok(name.clone()),
-        [] => Err(ReadError::whole(path, Problem::Expected { expected: "a DMIG header".into(), found: "none".into() })),
-        _ => {
-            let example =
-                format!("{}#{}", path.file_name().map_or("model.pch".into(), |n| n.to_string_lossy()), names[0]);
-            Err(ReadError::whole(path, Problem::Ambiguous { what: "matrices", known: names, example }))
+    /// Whether the card that begins in a line is one of a point, of which all lines are needed.
+    fn begin(&mut self, lines: &Lines, line: &BulkLine<'_>) -> Result<bool> {
+        self.included.extend(included(lines.line()));
+        let name = line.name();
+        if name == "DMIG" {
+            self.names.extend(header(lines, line)?.map(|header| header.name));
         }
+        Ok(Points::knows(&name))
+    }
+
+    fn take(&mut self, path: &Path, card: Option<BulkCard>) -> Result<()> {
+        card.map_or(Ok(()), |card| self.points.take(path, &card))
+    }
+
+    /// The name that is asked for, or that of the only matrix.
+    fn chosen(&self, path: &Path, name: Option<&str>) -> Result<String> {
+        let names = &self.names;
+        let problem = match (name, names.as_slice()) {
+            (_, []) => self.without_matrices(),
+            (Some(name), _) if names.iter().any(|known| known.eq_ignore_ascii_case(name)) => return Ok(name.to_owned()),
+            (Some(name), _) => Problem::Missing { what: "matrix", name: name.to_owned(), known: names.clone() },
+            (None, [name]) => return Ok(name.clone()),
+            (None, [first, ..]) => {
+                let file = path.file_name().map_or("model.pch".into(), |name| name.to_string_lossy());
+                let example = format!("{file}#{first}");
+                Problem::Ambiguous { what: "matrices", known: names.clone(), example }
+            }
+        };
+        Err(ReadError::whole(path, problem))
+    }
+
+    fn without_matrices(&self) -> Problem {
+        let found = match self.included.first() {
+            Some(file) => format!("none, but the file includes `{file}`, which may hold it"),
+            None => "none".into(),
+        };
+        let expected = "a DMIG header: Nastran punches matrices with EXTSEOUT(STIFFNESS, MASS, DMIGPCH) or \
+                        PARAM,EXTOUT,DMIGPCH; with MATOP4, DMIGOP2 or MATRIXDB it puts them into .op4, .op2 or its \
+                        database instead, which are not read"
+            .into();
+        Problem::Expected { expected, found }
     }
 }
 
-/// What a line is.
-enum Card {
-    /// `DMIG name 0 form type …`
-    Header { name: String, form: u64, kind: u64 },
-    /// `DMIG name node direction …`: a column begins, with entries in the line itself where fields are short.
-    Column { name: String, label: DofLabel, long: bool },
-    /// Entries of the column.
-    More { long: bool },
-    /// Something else.
+/// `DMIG name 0 form type …`
+struct Header {
+    name: String,
+    form: u64,
+    kind: u64,
+}
+
+fn name_of(lines: &Lines, line: &BulkLine<'_>) -> Result<String> {
+    let name = String::from_utf8_lossy(line.field(0)).to_uppercase();
+    if name.is_empty() { Err(lines.expected("the name of a matrix", lines.line())) } else { Ok(name) }
+}
+
+/// The header, if a card is one.
+fn header(lines: &Lines, line: &BulkLine<'_>) -> Result<Option<Header>> {
+    let name = name_of(lines, line)?;
+    if lines.unsigned(line.field(1), "number of the grid point")? != 0 {
+        return Ok(None);
+    }
+    let form = lines.unsigned(line.field(2), "form")?;
+    Ok(Some(Header { name, form, kind: lines.unsigned(line.field(3), "type of the numbers")? }))
+}
+
+/// What the lines that come belong to.
+#[derive(Clone, Copy)]
+enum Under {
+    /// A card that is no matrix, or nothing.
     Other,
+    /// The header of a matrix: a long one goes on.
+    Header,
+    /// A column of another matrix.
+    OtherColumn,
+    /// A column of the matrix that is wanted.
+    Column(DofLabel),
 }
 
-/// Field `k` of a line, from 0, which is the first after the one of the name of the card.
-fn field(line: &[u8], long: bool, k: usize) -> &[u8] {
-    let width = if long { 16 } else { 8 };
-    let (from, to) = (8 + k * width, 8 + (k + 1) * width);
-    line.get(from.min(line.len())..to.min(line.len())).unwrap_or_default().trim_ascii()
+/// Reads the entries of one matrix.
+struct Reader<'a> {
+    wanted: &'a str,
+    fault: Option<Fault>,
+    builder: Option<LabelledBuilder>,
+    known: Vec<String>,
+    under: Under,
+    /// A card that is no matrix has come behind columns of this one.
+    left: bool,
 }
 
-fn card(lines: &Lines) -> Result<Card> {
-    let line = lines.line();
-    let start = line.get(..8.min(line.len())).unwrap_or_default().trim_ascii();
-    let upper = start.to_ascii_uppercase();
-    match upper.as_slice() {
-        b"DMIG" | b"DMIG*" => dmig(lines, upper.ends_with(b"*")),
-        b"*" => Ok(Card::More { long: true }),
-        b"+" | b"" if !line.trim_ascii().is_empty() => Ok(Card::More { long: false }),
-        b"" => Ok(Card::Other),
-        start if start.starts_with(b"*") => Ok(Card::More { long: true }),
-        start if start.starts_with(b"+") => Ok(Card::More { long: false }),
-        start if PASSED_OVER.iter().any(|known| start.starts_with(known)) => Ok(Card::Other),
-        _ => Err(lines.expected("DMIG, its continuation or a comment", line)),
+impl<'a> Reader<'a> {
+    fn new(wanted: &'a str, fault: Option<Fault>) -> Self {
+        Self { wanted, fault, builder: None, known: Vec::new(), under: Under::Other, left: false }
+    }
+
+    fn read(mut self, path: &Path) -> Result<Pass<MatrixData>> {
+        let mut lines = Lines::open(path)?;
+        while lines.advance_whole()? {
+            let line = BulkLine::read(lines.line());
+            match line.start {
+                Start::Comment => {}
+                Start::More => self.more(&lines, &line)?,
+                Start::Card if line.name() == "DMIG" => self.card(&lines, &line)?,
+                Start::Card | Start::Results => {
+                    check_misspelt(&lines, &line)?;
+                    self.left |= self.builder.as_ref().is_some_and(|builder| !builder.is_empty());
+                    self.under = Under::Other;
+                }
+            }
+        }
+        match self.builder {
+            Some(builder) if !builder.is_empty() => Ok(builder.finish()),
+            _ => Err(lines.ended(&format!("columns of {}", self.wanted))),
+        }
+    }
+
+    fn card(&mut self, lines: &Lines, line: &BulkLine<'_>) -> Result<()> {
+        check_end(lines, line)?;
+        if let Some(Header { name, form, kind }) = header(lines, line)? {
+            if name.eq_ignore_ascii_case(self.wanted) {
+                if self.builder.is_some() {
+                    return Err(lines.expected(format!("the header of {name} once"), lines.line()));
+                }
+                self.builder = Some(LabelledBuilder::new(triangles(lines, form, kind)?, self.fault));
+            }
+            self.known.push(name);
+            self.under = Under::Header;
+            return Ok(());
+        }
+        let name = name_of(lines, line)?;
+        if !self.known.contains(&name) {
+            return Err(lines.expected(format!("the header of {name} before its columns"), lines.line()));
+        }
+        let label = dof(lines, line.field(1), line.field(2))?;
+        if !name.eq_ignore_ascii_case(self.wanted) {
+            self.under = Under::OtherColumn;
+            return Ok(());
+        }
+        if self.left {
+            let expected = format!("the columns of {name} one behind the other, without other cards between them");
+            return Err(lines.expected(expected, lines.line()));
+        }
+        self.under = Under::Column(label);
+        if line.is_long() { Ok(()) } else { self.entry(lines, line, label, 4) }
+    }
+
+    fn more(&mut self, lines: &Lines, line: &BulkLine<'_>) -> Result<()> {
+        let Under::Column(label) = self.under else { return Ok(()) };
+        check_end(lines, line)?;
+        self.entry(lines, line, label, 0)?;
+        if line.is_long() { Ok(()) } else { self.entry(lines, line, label, 4) }
+    }
+
+    /// Grid point, direction and value from field `first` on, if there is anything.
+    fn entry(&mut self, lines: &Lines, line: &BulkLine<'_>, column: DofLabel, first: usize) -> Result<()> {
+        let at = |k: usize| line.field(first + k);
+        let Some(builder) = self.builder.as_mut().filter(|_| (0..4).any(|k| !at(k).is_empty())) else { return Ok(()) };
+        let row = dof(lines, at(0), at(1))?;
+        if real(at(2)).is_none() {
+            return Err(lines.expected("a number, the value", at(2)));
+        }
+        builder.push(row, column, lines.real(at(2), "value")?).map_err(|problem| lines.error(problem))
     }
 }
 
-fn dmig(lines: &Lines, long: bool) -> Result<Card> {
-    let line = lines.line();
-    if line.contains(&b',') {
-        return Err(lines.expected("fields of 8 or 16 characters, as punched, without commas", line));
-    }
-    let name = String::from_utf8_lossy(field(line, long, 0)).to_uppercase();
-    let node = lines.unsigned(field(line, long, 1), "number of the grid point")?;
-    if name.is_empty() {
-        return Err(lines.expected("the name of a matrix", line));
-    }
-    if node == 0 {
-        let form = lines.unsigned(field(line, long, 2), "form")?;
-        return Ok(Card::Header { name, form, kind: lines.unsigned(field(line, long, 3), "type of the numbers")? });
-    }
-    Ok(Card::Column { name, label: dof(lines, field(line, long, 1), field(line, long, 2))?, long })
+/// Nothing may stand behind the last field.
+fn check_end(lines: &Lines, line: &BulkLine<'_>) -> Result<()> {
+    let more = |more| Err(lines.expected(format!("at most {} fields between commas, and DMIG", line.width()), more));
+    line.beyond().map_or(Ok(()), more)
+}
+
+/// A card whose name is that of a matrix but for a letter would take its column with it.
+fn check_misspelt(lines: &Lines, line: &BulkLine<'_>) -> Result<()> {
+    const CARDS: [&str; 5] = ["DMIG", "DMIJ", "DMIK", "DMI", "DTI"];
+    let name = line.name();
+    let differ = name.bytes().zip(b"DMIG").filter(|(a, b)| a != *b).count();
+    let misspelt = line.start == Start::Card && name.len() == 4 && differ == 1 && !CARDS.contains(&name.as_str());
+    if misspelt { Err(lines.expected("DMIG or another card of Nastran", lines.line())) } else { Ok(()) }
 }
 
 fn dof(lines: &Lines, node: &[u8], direction: &[u8]) -> Result<DofLabel> {
@@ -125,53 +243,7 @@ fn dof(lines: &Lines, node: &[u8], direction: &[u8]) -> Result<DofLabel> {
         .ok_or_else(|| lines.expected("a direction from 1 to 6, or 0 of a scalar point", direction))
 }
 
-fn pass(path: &Path, wanted: &str, fault: Option<Fault>) -> Result<Pass<MatrixData>> {
-    let mut lines = Lines::open(path)?;
-    let mut builder: Option<LabelledBuilder> = None;
-    // The column under way, if it is of the matrix that is wanted, and whether a card is one of a matrix at all.
-    let (mut column, mut in_matrix) = (None, false);
-    let mut known = Vec::new();
-    while lines.advance_whole()? {
-        match card(&lines)? {
-            Card::Header { name, form, kind } => {
-                (column, in_matrix) = (None, false);
-                if name.eq_ignore_ascii_case(wanted) {
-                    builder = Some(LabelledBuilder::new(header(&lines, form, kind)?, fault));
-                }
-                known.push(name);
-            }
-            Card::Column { name, label, long } => {
-                if !known.contains(&name) {
-                    return Err(lines.expected(format!("the header of {name} before its columns"), lines.line()));
-                }
-                in_matrix = true;
-                column = name.eq_ignore_ascii_case(wanted).then_some(label);
-                if let (Some(label), Some(builder), false) = (column, &mut builder, long) {
-                    entry(&lines, builder, label, false, 4)?;
-                }
-            }
-            Card::More { long } => {
-                if let (Some(label), Some(builder)) = (column, &mut builder) {
-                    entry(&lines, builder, label, long, 0)?;
-                    if !long {
-                        entry(&lines, builder, label, long, 4)?;
-                    }
-                } else if !in_matrix && column.is_some() {
-                    return Err(lines.expected("a column before its entries", lines.line()));
-                }
-            }
-            Card::Other => (column, in_matrix) = (None, false),
-        }
-    }
-    let missing = || Problem::Missing { what: "matrix", name: wanted.to_owned(), known: known.clone() };
-    let builder = builder.ok_or_else(|| ReadError::whole(path, missing()))?;
-    if builder.is_empty() {
-        return Err(lines.ended(&format!("columns of {wanted}")));
-    }
-    Ok(builder.finish())
-}
-
-fn header(lines: &Lines, form: u64, kind: u64) -> Result<Triangles> {
+fn triangles(lines: &Lines, form: u64, kind: u64) -> Result<Triangles> {
     if kind > 2 {
         return Err(lines.error(Problem::Refused {
             found: format!("numbers of type {kind}"),
@@ -184,18 +256,4 @@ fn header(lines: &Lines, form: u64, kind: u64) -> Result<Triangles> {
         1 => Ok(Triangles::Both),
         _ => Err(lines.expected("form 6, symmetric, or form 1, square", form.to_string().as_bytes())),
     }
-}
-
-/// Grid point, direction and value from field `first` on, if there is anything.
-fn entry(lines: &Lines, builder: &mut LabelledBuilder, column: DofLabel, long: bool, first: usize) -> Result<()> {
-    let at = |k: usize| field(lines.line(), long, first + k);
-    if (0..4).all(|k| at(k).is_empty()) {
-        return Ok(());
-    }
-    let row = dof(lines, at(0), at(1))?;
-    let text = at(2);
-    if real(text).is_none() {
-        return Err(lines.expected("a number, the value", text));
-    }
-    builder.push(row, column, lines.real(text, "value")?).map_err(|problem| lines.error(problem))
 }

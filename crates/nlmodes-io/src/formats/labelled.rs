@@ -71,7 +71,7 @@ impl LabelledBuilder {
             }
         }
         match self.entries.finish(labels.len(), Some(&to)) {
-            Ok(lower) => Pass::Read(MatrixData { lower, labels: Some(labels), fixed }),
+            Ok(lower) => Pass::Read(MatrixData { lower, labels: Some(labels), fixed, ..MatrixData::default() }),
             Err(fault) => Pass::Faulty(fault),
         }
     }

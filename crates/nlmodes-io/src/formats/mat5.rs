@@ -1,5 +1,6 @@
 //! MATLAB's MAT-file format, level 5: elements with a type and a length, packed with zlib from version 7 on.
 
+mod arrays;
 mod element;
 
 use std::fs::File;
@@ -8,9 +9,10 @@ use std::path::Path;
 
 use flate2::read::ZlibDecoder;
 
+use self::arrays::Walk;
 use self::element::{Elements, Order, Tag};
 use super::compressed::Layout;
-use super::matlab::chosen;
+use super::matlab::{Leaf, MAX_ARRAYS, MatPath, chosen};
 use super::{check_entries, check_order};
 use crate::build::Stored;
 use crate::error::{Place, Problem, ReadError, Result};
@@ -20,33 +22,47 @@ const MATRIX: u32 = 14;
 const COMPRESSED: u32 = 15;
 /// Length of the text and version at the head of a file.
 const HEADER: u64 = 128;
-/// Most variables of a file.
-const MAX_VARIABLES: usize = 100_000;
-/// Classes of arrays: 5 is sparse, 6 to 15 are numbers.
+/// Classes of arrays: 1 is a cell, 2 a structure, 5 is sparse, 6 to 15 are numbers.
 const SPARSE: u8 = 5;
 const NUMBERS: std::ops::RangeInclusive<u8> = 6..=15;
+/// Objects of classes, and what MATLAB keeps elsewhere in the file.
+const OBJECTS: [u8; 3] = [3, 16, 17];
 
 pub(super) fn read(path: &Path, name: Option<&str>, order: Option<usize>) -> Result<LowerTriangle> {
     let file = Mat { path };
-    let variables = file.variables()?;
-    let matrices: Vec<String> = variables.iter().filter(|v| v.is_matrix()).map(|v| v.name.clone()).collect();
-    let name = chosen(path, name, matrices)?;
-    match variables.iter().find(|variable| variable.name == name && variable.is_matrix()) {
-        Some(variable) => file.matrix(variable, order),
-        None => Err(ReadError::whole(path, Problem::Missing { what: "matrix", name, known: vec![] })),
+    let contents = file.contents()?;
+    let at = chosen(path, name, &contents.leaves, &contents.objects)?;
+    file.matrix(contents.starts[at], &contents.leaves[at].path, order)
+}
+
+/// The arrays of numbers of a file, and where the variables begin in which they are.
+#[derive(Default)]
+struct Contents {
+    leaves: Vec<Leaf>,
+    starts: Vec<u64>,
+    objects: Vec<String>,
+}
+
+impl Contents {
+    fn take(&mut self, start: u64, path: &MatPath, head: &Head) {
+        if head.is_matrix() {
+            self.leaves.push(Leaf { path: path.clone(), dimensions: head.dimensions.clone() });
+            self.starts.push(start);
+        } else if OBJECTS.contains(&head.class) {
+            self.objects.push(path.to_string());
+        }
     }
 }
 
-/// A variable of the file, and where it stands.
-struct Variable {
+/// What stands before the numbers of an array.
+struct Head {
     name: String,
-    start: u64,
     class: u8,
     complex: bool,
     dimensions: Vec<u64>,
 }
 
-impl Variable {
+impl Head {
     fn is_matrix(&self) -> bool {
         self.dimensions.len() == 2 && (self.class == SPARSE || NUMBERS.contains(&self.class))
     }
@@ -70,16 +86,16 @@ impl Mat<'_> {
         Ok((file, if header[126] == b'I' { Order::Little } else { Order::Big }, length))
     }
 
-    /// The heads of all variables.
-    fn variables(&self) -> Result<Vec<Variable>> {
+    /// All arrays of numbers.
+    fn contents(&self) -> Result<Contents> {
         let (mut file, order, length) = self.open()?;
-        let mut variables = Vec::new();
-        let mut start = HEADER;
+        let mut contents = Contents::default();
+        let (mut start, mut count) = (HEADER, 0);
         while start < length {
             let tag = self.top(&mut file, order, start)?;
-            if variables.len() == MAX_VARIABLES {
-                let found = MAX_VARIABLES as u64 + 1;
-                let limit = MAX_VARIABLES as u64;
+            count += 1;
+            if count > MAX_ARRAYS {
+                let (found, limit) = (count as u64, MAX_ARRAYS as u64);
                 return Err(ReadError::whole(
                     self.path,
                     Problem::TooLarge { what: "number of variables", found, limit },
@@ -92,11 +108,15 @@ impl Mat<'_> {
             if matches!(tag.kind, MATRIX | COMPRESSED) {
                 let variable = format!("variable at byte {start}");
                 let mut elements = self.elements(&mut file, order, tag, &variable)?;
-                variables.push(head(&mut elements, start)?);
+                let mut visit = |path: &MatPath, head: &Head, _: &mut Elements<'_>| {
+                    contents.take(start, path, head);
+                    Ok(false)
+                };
+                Walk::new(&mut visit).array(&mut elements, None, 0)?;
             }
             start += 8 + tag.length;
         }
-        Ok(variables)
+        Ok(contents)
     }
 
     fn top(&self, file: &mut BufReader<File>, order: Order, start: u64) -> Result<Tag> {
@@ -131,28 +151,49 @@ impl Mat<'_> {
         Ok(elements)
     }
 
-    fn matrix(&self, variable: &Variable, expected: Option<usize>) -> Result<LowerTriangle> {
-        let place = || Place::Part(variable.name.clone());
-        if variable.complex {
+    /// The array at this path, in the variable that begins there.
+    fn matrix(&self, start: u64, wanted: &MatPath, expected: Option<usize>) -> Result<LowerTriangle> {
+        let (mut file, bytes, _) = self.open()?;
+        let tag = self.top(&mut file, bytes, start)?;
+        let name = wanted.to_string();
+        let mut elements = self.elements(&mut file, bytes, tag, &name)?;
+        let mut matrix = None;
+        let mut visit = |path: &MatPath, head: &Head, elements: &mut Elements<'_>| {
+            if path == wanted && head.is_matrix() {
+                matrix = Some(self.numbers(elements, head, &name, expected)?);
+            }
+            Ok(matrix.is_some())
+        };
+        Walk::new(&mut visit).array(&mut elements, None, 0)?;
+        let missing = || Problem::Missing { what: "matrix", name: name.clone(), known: vec![] };
+        matrix.ok_or_else(|| ReadError::whole(self.path, missing()))
+    }
+
+    /// The numbers behind a head.
+    fn numbers(
+        &self,
+        elements: &mut Elements<'_>,
+        head: &Head,
+        name: &str,
+        expected: Option<usize>,
+    ) -> Result<LowerTriangle> {
+        let place = || Place::Part(name.to_owned());
+        if head.complex {
             let found = "complex numbers".to_owned();
             let reason = "mass and stiffness are real; damping stands elsewhere";
             let problem = Problem::Refused { found, expected: "real numbers", reason };
             return Err(ReadError::new(self.path, place(), problem));
         }
-        let (rows, columns) = (variable.dimensions[0], variable.dimensions[1]);
+        let (rows, columns) = (head.dimensions[0], head.dimensions[1]);
         if rows != columns {
             let what = "columns of a symmetric matrix".to_owned();
             return Err(ReadError::new(self.path, place(), Problem::Size { what, expected: rows, found: columns }));
         }
         let order = check_order(self.path, place(), rows, expected)?;
-        let (mut file, bytes, _) = self.open()?;
-        let tag = self.top(&mut file, bytes, variable.start)?;
-        let mut elements = self.elements(&mut file, bytes, tag, &variable.name)?;
-        head(&mut elements, variable.start)?;
-        if variable.class == SPARSE {
-            self.sparse(&mut elements, &variable.name, order, expected)
+        if head.class == SPARSE {
+            self.sparse(elements, name, order, expected)
         } else {
-            self.full(&mut elements, &variable.name, order)
+            self.full(elements, name, order)
         }
     }
 
@@ -208,7 +249,7 @@ impl Mat<'_> {
 }
 
 /// Flags, dimensions and name of an array.
-fn head(elements: &mut Elements<'_>, start: u64) -> Result<Variable> {
+fn head(elements: &mut Elements<'_>) -> Result<Head> {
     let flags = elements.small("array flags", 8)?;
     let flags = match *flags.as_slice() {
         [a, b, c, d, ..] => elements.order().u32([a, b, c, d]),
@@ -223,5 +264,5 @@ fn head(elements: &mut Elements<'_>, start: u64) -> Result<Variable> {
         dimensions.push(length);
     }
     let name = String::from_utf8_lossy(&elements.small("name", 64)?).into_owned();
-    Ok(Variable { name, start, class: (flags & 0xff) as u8, complex: flags & 0x0800 != 0, dimensions })
+    Ok(Head { name, class: (flags & 0xff) as u8, complex: flags & 0x0800 != 0, dimensions })
 }

@@ -57,7 +57,7 @@ pub(super) fn read(path: &Path) -> Result<LabelTable> {
     if rows.is_empty() {
         return Err(lines.ended("a line row,node,component"));
     }
-    Ok(LabelTable { labels: in_order(&lines, rows)?, positions })
+    Ok(LabelTable { labels: in_order(&lines, rows)?, positions, repeated: None })
 }
 
 fn check_heading(lines: &Lines, fields: &[&[u8]]) -> Result<()> {

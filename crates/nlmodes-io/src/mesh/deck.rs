@@ -2,24 +2,22 @@
 
 mod blocks;
 mod elements;
-mod keyword;
-mod source;
 mod supports;
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
-use std::rc::Rc;
 
 use self::blocks::State;
 use self::elements::{Shape, shape};
-use self::keyword::Keyword;
-use self::source::Source;
+use super::source::{Mention, Source};
 use super::{Element, Mesh};
 use crate::error::{Place, Problem, ReadError, Result};
+use crate::keyword::Keyword;
+use crate::text::unsigned;
 
 /// Keywords that make nodes or elements which no line of the deck holds, or turn axes: a mesh without heeding them
 /// would be wrong.
-const REFUSED: [(&str, &str); 11] = [
+const REFUSED: [(&str, &str); 10] = [
     ("NGEN", "generated nodes are not read; write the deck with all its nodes"),
     ("NFILL", "generated nodes are not read; write the deck with all its nodes"),
     ("NCOPY", "generated nodes are not read; write the deck with all its nodes"),
@@ -27,7 +25,6 @@ const REFUSED: [(&str, &str); 11] = [
     ("ELCOPY", "generated elements are not read; write the deck with all its elements"),
     ("NMAP", "mapped nodes are not read; write the deck with all its nodes"),
     ("SYSTEM", "only global axes are read"),
-    ("TRANSFORM", "directions along other axes are not those of the matrices' labels"),
     ("PART", "parts have node numbers of their own; write a deck without parts and assemblies"),
     ("INSTANCE", "instances have node numbers of their own; write a deck without parts and assemblies"),
     ("SUBMODEL", "nodes of another model are not read"),
@@ -45,7 +42,7 @@ pub(super) fn read(path: &Path) -> Result<Mesh> {
         }
         if line.starts_with(b"*") {
             state.check_end(&source)?;
-            let keyword = Keyword::read(&mut source)?;
+            let keyword = source.keyword()?;
             state = deck.begin(&mut source, &keyword)?;
         } else {
             deck.line(&source, &mut state)?;
@@ -54,9 +51,6 @@ pub(super) fn read(path: &Path) -> Result<Mesh> {
     state.check_end(&source)?;
     deck.finish(path)
 }
-
-/// Where a number of a node stands, to be checked when all nodes are known.
-type Mention = (Rc<Path>, u64);
 
 /// An element whose nodes are still numbers.
 struct Numbered {
@@ -73,6 +67,8 @@ struct Deck {
     by_number: HashMap<u64, usize>,
     element_sets: BTreeMap<String, Vec<u64>>,
     mentions: Vec<(u64, Mention)>,
+    /// Node sets with directions of their own.
+    transformed: Vec<String>,
     /// Numbers that the lines of sets have named so far.
     in_sets: u64,
 }
@@ -85,7 +81,7 @@ impl Deck {
         }
         Ok(match keyword.name.as_str() {
             "INCLUDE" => {
-                let name = keyword.need(source, "INPUT")?;
+                let name = source.need(keyword, "INPUT")?;
                 source.include(&name)?;
                 State::Other
             }
@@ -96,11 +92,11 @@ impl Deck {
                 State::Nodes { set: keyword.option("NSET") }
             }
             "ELEMENT" => {
-                let kind = keyword.need(source, "TYPE")?;
+                let kind = source.need(keyword, "TYPE")?;
                 State::Elements { shape: shape(&kind), kind, set: keyword.option("ELSET"), begun: Vec::new() }
             }
             "NSET" => {
-                let name = keyword.need(source, "NSET")?;
+                let name = source.need(keyword, "NSET")?;
                 let nodes = match keyword.option("ELSET") {
                     Some(set) => self.nodes_of_elements(source, &set)?,
                     None => Vec::new(),
@@ -108,15 +104,29 @@ impl Deck {
                 self.mesh.add_to_set(&name, nodes);
                 State::NodeSet { name, generate: keyword.has("GENERATE") }
             }
-            "ELSET" => State::ElementSet { name: keyword.need(source, "ELSET")?, generate: keyword.has("GENERATE") },
+            "ELSET" => State::ElementSet { name: source.need(keyword, "ELSET")?, generate: keyword.has("GENERATE") },
             "SURFACE" => {
-                let name = keyword.need(source, "NAME")?;
+                let name = source.need(keyword, "NAME")?;
                 match keyword.option("TYPE").as_deref() {
                     Some("NODE") => State::NodeSet { name, generate: false },
                     _ => State::Surface { name },
                 }
             }
             "BOUNDARY" => State::Supports,
+            "TRANSFORM" => {
+                self.transformed.push(source.need(keyword, "NSET")?);
+                State::Other
+            }
+            "RIGID BODY" => {
+                let node = keyword.option("ROT NODE").and_then(|node| unsigned(node.as_bytes()));
+                self.mesh.rotations.extend(node);
+                State::Other
+            }
+            "FREQUENCY" => {
+                // CalculiX turns its matrices only where it is asked to.
+                self.mesh.matrices_are_transformed |= keyword.option("GLOBAL").as_deref() == Some("NO");
+                State::Other
+            }
             _ => State::Other,
         })
     }
@@ -139,7 +149,9 @@ impl Deck {
             let expected = "nodes (*NODE)".to_owned();
             return Err(ReadError::whole(path, Problem::Ended { expected }));
         }
+        self.transform();
         for element in std::mem::take(&mut self.elements) {
+            self.expand(&element);
             let index = |node: &u64| self.mesh.index_of(*node).map(|k| k as u32);
             let index = |node: &u64| index(node).ok_or_else(|| missing(*node, &element.mention));
             let nodes: Vec<u32> = element.nodes.iter().map(index).collect::<Result<_>>()?;
@@ -153,6 +165,28 @@ impl Deck {
         self.mesh.node_sets.values_mut().for_each(|set| set.retain(|node| known.contains_key(node)));
         self.mesh.sort_sets();
         Ok(self.mesh)
+    }
+}
+
+impl Deck {
+    /// Nodes with directions of their own: what holds them along some of these is not known along the global ones.
+    fn transform(&mut self) {
+        for set in std::mem::take(&mut self.transformed) {
+            self.mesh.transformed.extend(self.mesh.node_set(&set).unwrap_or_default().to_vec());
+        }
+        let transformed = &self.mesh.transformed;
+        if let Some(supports) = &mut self.mesh.supports {
+            supports.retain(|node, held| !transformed.contains(node) || *held == [true; 3]);
+        }
+    }
+
+    /// Notes what CalculiX makes of the nodes of an element.
+    fn expand(&mut self, element: &Numbered) {
+        let Some(expansion) = element.shape.expansion else { return };
+        for (k, node) in element.nodes.iter().enumerate() {
+            let new = expansion.expanded(k, element.shape.nodes);
+            self.mesh.expanded.entry(*node).and_modify(|known| *known = known.with(new)).or_insert(new);
+        }
     }
 }
 

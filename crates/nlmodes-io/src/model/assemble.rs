@@ -1,10 +1,10 @@
 use std::collections::{HashMap, HashSet};
 
-use super::{FeFiles, FeModel, NodeChoice};
+use super::{FeFiles, FeModel, NodeChoice, expanded, turned};
 use crate::error::{Problem, ReadError, Result};
 use crate::formats::{Format, MatrixData, read_matrix};
-use crate::labels::{DofLabel, LabelTable};
-use crate::lower::LowerTriangle;
+use crate::labels::{Component, DofLabel, LabelTable};
+use crate::lower::{LowerTriangle, Motion};
 use crate::mesh::Mesh;
 
 pub(super) fn read(files: &FeFiles) -> Result<FeModel> {
@@ -13,7 +13,7 @@ pub(super) fn read(files: &FeFiles) -> Result<FeModel> {
     let table = files.dofs.as_deref().map(LabelTable::read).transpose()?;
     let mut mesh = files.mesh.as_deref().map(Mesh::read).transpose()?;
     let order = table.as_ref().map(|table| table.labels.len()).filter(|_| !names_rows(of_stiffness));
-    let stiffness = read_matrix(&files.stiffness, of_stiffness, order)?;
+    let mut stiffness = read_matrix(&files.stiffness, of_stiffness, order)?;
     let labels = match (&stiffness.labels, &table) {
         (Some(labels), _) => labels.clone(),
         (None, Some(table)) => table.labels.clone(),
@@ -21,22 +21,61 @@ pub(super) fn read(files: &FeFiles) -> Result<FeModel> {
     };
     let order = (!names_rows(of_mass)).then_some(labels.len());
     let mass = read_matrix(&files.mass, of_mass, order)?;
+    let mut directions = std::mem::take(&mut stiffness.directions);
     let mass = along(files, mass, &labels, &stiffness.fixed)?;
-    let mut places = table.map(|table| table.positions).unwrap_or_default();
+    let mut places = std::mem::take(&mut stiffness.positions);
+    places.extend(table.iter().flat_map(|table| &table.positions));
     places.values_mut().flatten().for_each(|x| *x *= files.units.length());
+    let named = table.as_ref().filter(|_| !names_rows(of_stiffness));
+    let mut model = FeModel::new(stiffness, mass, labels, places);
     if let Some(mesh) = &mut mesh {
         mesh.scale(files.units.length());
-        check_mesh(files, mesh, &labels)?;
+        check_mesh(files, mesh, &model.labels)?;
+        turned::check(files, of_stiffness, &model.labels, mesh)?;
+        directions.extend(std::mem::take(&mut mesh.directions));
     }
-    let rows = rows_of(&labels);
-    let held = stiffness.fixed;
-    let mut model =
-        FeModel { stiffness: stiffness.lower, mass, labels, mesh, fixed: held, fixed_mass: Vec::new(), places, rows };
+    if let Some(motion) = turned::motion(files, &model.labels, &directions)? {
+        model.take_unknowns(&motion);
+    }
+    if let Some(means) = named.map(|table| expanded::means(files, table, mesh.as_ref())).transpose()?.flatten() {
+        model.take_unknowns(&means.motion);
+        (model.labels, model.within) = (means.labels, means.within);
+    }
+    if let Some(mesh) = mesh.as_ref().filter(|_| of_stiffness == Format::Calculix) {
+        model.name_rotations(mesh);
+    }
+    model.rows = rows_of(&model.labels);
+    model.mesh = mesh;
     hold(&mut model, files)?;
     into_si(&mut model, files);
     check_diagonal(&model, files)?;
     check_exchanged(&model, files)?;
     Ok(model)
+}
+
+impl FeModel {
+    fn new(stiffness: MatrixData, mass: LowerTriangle, labels: Vec<DofLabel>, places: HashMap<u64, [f64; 3]>) -> Self {
+        let (stiffness, fixed) = (stiffness.lower, stiffness.fixed);
+        let (fixed_mass, rows, within) = (Vec::new(), HashMap::new(), 0..0);
+        Self { stiffness, mass, labels, mesh: None, fixed, fixed_mass, places, rows, within }
+    }
+
+    /// Takes other unknowns, of which `motion` makes the present ones.
+    fn take_unknowns(&mut self, motion: &Motion) {
+        self.stiffness = self.stiffness.congruent(motion);
+        self.mass = self.mass.congruent(motion);
+    }
+}
+
+impl FeModel {
+    /// CalculiX names rotations of a rigid body as displacements of a node of their own.
+    fn name_rotations(&mut self, mesh: &Mesh) {
+        for label in self.labels.iter_mut().filter(|label| mesh.rotations.contains(&label.node)) {
+            if let Some(axis) = label.component.translation() {
+                label.component = [Component::RX, Component::RY, Component::RZ][axis];
+            }
+        }
+    }
 }
 
 /// Whether a format names the rows of its matrices.

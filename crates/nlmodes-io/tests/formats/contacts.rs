@@ -141,7 +141,7 @@ fn contacts_that_cannot_be_are_refused() {
         (vec![wall(&[7], x, 0.0)], "node 7 has no displacement in the matrices"),
         (
             vec![wall(&[9], x, 0.0)],
-            "node 9 cannot move along its normal [1, 0, 0]: it is fixed there, or dependent on other nodes (*EQUATION, *MPC, *RIGID BODY)",
+            "node 9 cannot move along its normal [1, 0, 0]: it is fixed there, or dependent on other nodes (*EQUATION, *MPC, *TIE, *COUPLING, *RIGID BODY)",
         ),
         (
             vec![wall(&[1], x, 0.0), wall(&[2, 1], [2.0, 0.0, 0.0], 0.0)],

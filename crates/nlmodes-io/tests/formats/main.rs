@@ -3,10 +3,14 @@
 mod agreement;
 mod bracket;
 mod contacts;
+mod expanded;
 mod inner;
 mod meshes;
 mod models;
 mod mutilations;
+mod nastran;
+mod nested;
 mod paraview;
 mod sample;
+mod user_element;
 mod writers;

@@ -181,6 +181,41 @@ fn nodes_in_the_middle_of_edges_have_the_pieces_around_them() {
 }
 
 #[test]
+fn coordinates_that_are_left_out_are_zero() {
+    let text =
+        "*NODE\n1\n2, 1.5\n3, , 2\n4, 1, 2,\n5, 1, 2, 3\n6, 1, , 3, 0, 0, 1\n*ELEMENT, TYPE=S3, ELSET=E\n1, 1, 2, 3\n";
+    let mesh = mesh("x.inp", text).unwrap();
+    let expected = [[0.0; 3], [1.5, 0.0, 0.0], [0.0, 2.0, 0.0], [1.0, 2.0, 0.0], [1.0, 2.0, 3.0], [1.0, 0.0, 3.0]];
+    assert_eq!(mesh.places, expected);
+}
+
+/// CalculiX keeps three inner nodes with each such element, and passes over numbers that it does not need.
+#[test]
+fn bricks_with_incompatible_modes_may_have_eleven_numbers() {
+    for kind in ["C3D8I", "C3D8"] {
+        let text = TWO_BRICKS.replace(
+            "*ELEMENT, TYPE=C3D8R, ELSET=Right\n2, 2,9,10,3,6,11,12,7\n",
+            &format!("*ELEMENT, TYPE={kind}, ELSET=Right\n2, 2,9,10,3,6,11,12,7,101,102,103\n"),
+        );
+        match mesh("x.inp", &text) {
+            Ok(found) => assert_eq!((kind, &found.elements), ("C3D8I", &mesh("x.inp", TWO_BRICKS).unwrap().elements)),
+            Err(refused) => {
+                assert!(kind == "C3D8" && refused.to_string().contains("8 nodes of element 2"), "{refused}")
+            }
+        }
+    }
+}
+
+/// `*TRANSFORM` turns what a deck holds, not the matrices of CalculiX.
+#[test]
+fn supports_along_other_axes_are_known_where_they_hold_all() {
+    let lines = "*TRANSFORM, NSET=END\n0.8,0.6,0.,-0.6,0.8,0.\n*BOUNDARY\n9, 1, 3\n10, 1\n1, 1\n";
+    let mesh = mesh("x.inp", &format!("{TWO_BRICKS}{lines}")).unwrap();
+    let supports: Vec<_> = mesh.supports.unwrap().into_iter().collect();
+    assert_eq!(supports, [(1, [true; 3]), (9, [true; 3])]);
+}
+
+#[test]
 fn decks_say_what_they_hold() {
     let lines = "*BOUNDARY\n1, 1, 3\nEND, 2\n 12, 1\n3, ENCASTRE\n4, ZSYMM\n*STEP\n*BOUNDARY, OP=MOD\n5, 3, 3, 0.0\nnobody, 1\n6, 4, 6\n*END STEP\n";
     let mesh = mesh("x.inp", &format!("{TWO_BRICKS}{lines}")).unwrap();

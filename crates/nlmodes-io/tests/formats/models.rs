@@ -206,3 +206,46 @@ fn files_that_do_not_belong_together_are_refused() {
         );
     }
 }
+
+/// Directions of a deck that are not those of its matrices.
+#[test]
+fn transformed_nodes_are_those_of_the_matrices_only_where_these_say_so() {
+    let directory = tempfile::tempdir().unwrap();
+    let mut files = calculix(directory.path());
+    let free = FeModel::read(&files).unwrap();
+    let deck = "*NODE\n10,0,0,0\n20,1,0,0\n*NSET, NSET=END\n20\n*TRANSFORM, NSET=END\n0.8,0.6,0.,-0.6,0.8,0.\n*STEP\n";
+    let global = "*FREQUENCY, SOLVER=MATRIXSTORAGE\n*END STEP\n";
+    files.mesh = Some(written(directory.path(), "x.inp", &format!("{deck}{global}")).into());
+    close(&FeModel::read(&files).unwrap(), &free, 0.0);
+    let local = "*FREQUENCY, SOLVER=MATRIXSTORAGE, GLOBAL=NO\n*END STEP\n";
+    written(directory.path(), "x.inp", &format!("{deck}{local}"));
+    let message = FeModel::read(&files).unwrap_err().to_string();
+    assert!(
+        message.contains("found node 20 with directions of its own") && message.contains("GLOBAL=YES"),
+        "{message}"
+    );
+    // Abaqus writes its matrices along them.
+    let path = |name: &str, text: String| written(directory.path(), name, &text);
+    let (k, m) =
+        (path("ka.mtx", writers::abaqus(&stiffness(), false)), path("ma.mtx", writers::abaqus(&mass(), false)));
+    let abaqus = FeFiles { mesh: files.mesh.clone(), ..FeFiles::new(&k, &m) };
+    let message = FeModel::read(&abaqus).unwrap_err().to_string();
+    assert!(message.contains("write the matrices without *TRANSFORM"), "{message}");
+}
+
+/// The rotations of a rigid body are named as displacements of a node; that node has no mass along an axis, and nothing
+/// touches there.
+#[test]
+fn nodes_of_rotations_have_no_displacements() {
+    let directory = tempfile::tempdir().unwrap();
+    let mut files = calculix(directory.path());
+    let free = FeModel::read(&files).unwrap();
+    let deck =
+        "*NODE\n10,0,0,0\n20,1,0,0\n80,1,0,0\n*NSET, NSET=END\n10\n*RIGID BODY, NSET=END, REF NODE=20, ROT NODE=80\n";
+    files.mesh = Some(written(directory.path(), "x.inp", deck).into());
+    files.units = "mm-t-s".parse().unwrap();
+    let model = FeModel::read(&files).unwrap();
+    assert_eq!(model.translations_of(80), [None; 3]);
+    let (row, before) = (model.row_of(80, Component::RX).unwrap(), free.row_of(80, Component::X).unwrap());
+    assert!((model.stiffness.get(row, row) / (1e-3 * free.stiffness.get(before, before)) - 1.0).abs() < 1e-14);
+}

@@ -27,8 +27,8 @@ pub struct RawMatrices {
     #[serde(rename = "kind")]
     #[schemars(required)]
     pub _kind: Option<MatricesKind>,
-    /// Stiffness matrix: .sti (CalculiX), .mtx (Matrix Market, Abaqus), .npz (SciPy), .mat ("model.mat#K"), .hb, .pch,
-    /// also .gz; relative to the scene
+    /// Stiffness matrix: .sti (CalculiX), .mtx (Matrix Market, Abaqus, "sub.mtx#STIFFNESS"), .npz (SciPy), .mat
+    /// ("model.mat#K", "model.mat#FEM.K"), .hb, .pch ("model.pch#KAAX"), also .gz; relative to the scene
     #[schemars(required, length(min = 1))]
     pub stiffness: Option<String>,
     /// Mass matrix, in the same way
@@ -38,14 +38,14 @@ pub struct RawMatrices {
     /// not needed where the matrices say it
     #[schemars(length(min = 1))]
     pub dofs: Option<String>,
-    /// Mesh with the places of nodes, node sets and elements: .inp or .msh
+    /// Mesh with the places of nodes, node sets and elements: .inp, .msh, or .bdf, .dat, .nas and .pch of Nastran
     #[schemars(length(min = 1))]
     pub mesh: Option<String>,
     /// Format of the matrices: calculix, matrix-market, abaqus, npz, mat, harwell-boeing or dmig; default: from the
     /// names of the files
     #[schemars(length(min = 1))]
     pub format: Option<String>,
-    /// Units of the files, as mm-t-s; what comes out is in SI units
+    /// Units of the files, SI or as mm-t-s; what comes out is in SI units
     #[schemars(length(min = 1), extend("default" = "m-kg-s"))]
     pub units: Option<String>,
     /// Nodes and node sets that the files leave free and that are held

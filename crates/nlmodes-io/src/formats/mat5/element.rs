@@ -40,11 +40,13 @@ pub(super) struct Elements<'a> {
     /// Bytes of the element under way, and what fills it up to a multiple of eight.
     left: u64,
     padding: u64,
+    /// Bytes that have been read.
+    position: u64,
 }
 
 impl<'a> Elements<'a> {
     pub(super) fn new(path: &'a Path, bytes: Box<dyn Read + 'a>, order: Order, variable: &'a str) -> Self {
-        Self { path, bytes, order, variable, left: 0, padding: 0 }
+        Self { path, bytes, order, variable, left: 0, padding: 0, position: 0 }
     }
 
     pub(super) fn order(&self) -> Order {
@@ -57,6 +59,7 @@ impl<'a> Elements<'a> {
     }
 
     fn fill(&mut self, target: &mut [u8], part: &str) -> Result<()> {
+        self.position += target.len() as u64;
         self.bytes.read_exact(target).map_err(|error| {
             let place = Place::Part(format!("{}: {part}", self.variable));
             let problem = match error.kind() {
@@ -69,11 +72,7 @@ impl<'a> Elements<'a> {
 
     /// The next element, after what is left of the one before.
     pub(super) fn tag(&mut self, part: &str) -> Result<Tag> {
-        let rest = self.left + self.padding;
-        let passed = std::io::copy(&mut self.bytes.by_ref().take(rest), &mut std::io::sink());
-        if passed.is_ok_and(|passed| passed < rest) {
-            return Err(self.expected(part, "more bytes", "the end of the variable".into()));
-        }
+        self.pass(self.left + self.padding, part)?;
         let mut head = [0; 4];
         self.fill(&mut head, part)?;
         let word = self.order.u32(head);
@@ -93,6 +92,32 @@ impl<'a> Elements<'a> {
         };
         (self.left, self.padding) = (tag.length, tag.padding);
         Ok(tag)
+    }
+
+    fn pass(&mut self, rest: u64, part: &str) -> Result<()> {
+        let passed = std::io::copy(&mut self.bytes.by_ref().take(rest), &mut std::io::sink());
+        if passed.is_ok_and(|passed| passed < rest) {
+            return Err(self.expected(part, "more bytes", "the end of the variable".into()));
+        }
+        self.position += rest;
+        Ok(())
+    }
+
+    /// Goes into the element under way, which has `length` bytes, and says where it ends.
+    pub(super) fn enter_for(&mut self, length: u64) -> u64 {
+        self.enter();
+        self.position.saturating_add(length)
+    }
+
+    /// Passes over what is left of an element that ends there.
+    pub(super) fn pass_to(&mut self, end: u64) -> Result<()> {
+        if self.position > end {
+            let found = format!("{} bytes more", self.position - end);
+            return Err(self.expected("array in an array", "an array that ends where it says", found));
+        }
+        self.pass(end - self.position, "array in an array")?;
+        self.enter();
+        Ok(())
     }
 
     /// Goes into the element under way: the next one is the first within it.

@@ -4,10 +4,10 @@ use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 use super::elements::Shape;
-use super::keyword;
-use super::source::Source;
 use super::{Deck, Numbered};
 use crate::error::{Problem, Result};
+use crate::keyword;
+use crate::mesh::source::Source;
 use crate::text::{commas, unsigned};
 
 /// The block under way.
@@ -40,10 +40,14 @@ impl Deck {
         match state {
             State::Other => Ok(()),
             State::Nodes { set } => self.node(source, set.as_deref()),
-            State::Elements { shape: Some(shape), set, begun, .. } => {
+            State::Elements { shape: Some(shape), set, begun, kind } => {
                 for field in commas(source.line()) {
                     let what = if begun.is_empty() { "number of the element" } else { "number of a node" };
                     begun.push(source.unsigned(field, what)?);
+                }
+                // CalculiX keeps three inner nodes with each of these, and so do decks that were made of its results.
+                if kind.starts_with("C3D8I") && begun.len() == shape.nodes + 4 {
+                    begun.truncate(shape.nodes + 1);
                 }
                 match begun.len().cmp(&(shape.nodes + 1)) {
                     Ordering::Less => Ok(()),
@@ -73,10 +77,16 @@ impl Deck {
 
     fn node(&mut self, source: &Source, set: Option<&str>) -> Result<()> {
         let fields: Vec<&[u8]> = commas(source.line()).collect();
-        let [number, x, y, z] = fields[..] else { return Err(source.expected("a node: number, x, y, z")) };
-        let number = source.unsigned(number, "number of the node")?;
-        let coordinate = |field: &[u8]| if field.is_empty() { Ok(0.0) } else { source.real(field, "coordinate") };
-        let place = [coordinate(x)?, coordinate(y)?, coordinate(z)?];
+        // Coordinates that are left out are 0; Abaqus has three numbers of a normal behind them.
+        if !matches!(fields.len(), 1..=4 | 7) {
+            return Err(source.expected("a node: number, x, y, z"));
+        }
+        let number = source.unsigned(fields[0], "number of the node")?;
+        let coordinate = |k: usize| match fields.get(k) {
+            None | Some(&[]) => Ok(0.0),
+            Some(field) => source.real(field, "coordinate"),
+        };
+        let place = [coordinate(1)?, coordinate(2)?, coordinate(3)?];
         if let Err(before) = self.mesh.add_node(number, place) {
             return Err(source.expected(&format!("node {number} at {before:?}, as in its earlier line")));
         }

@@ -1,8 +1,8 @@
 //! The lines of `*BOUNDARY`: displacements that a deck holds.
 
 use super::Deck;
-use super::keyword;
-use super::source::Source;
+use crate::keyword;
+use crate::mesh::source::Source;
 use crate::text::{commas, unsigned};
 
 /// Abaqus' names of supports, and the displacements that they hold.

@@ -213,7 +213,16 @@ fn dmig() {
             ":5: entry (ux of node 10, ux of node 10) is there a second time",
         ),
         damage("another card", line(&good, 5, "DMAG*   KAAX"), ":5: found `DMAG*   KAAX`; expected DMIG"),
-        damage("commas", line(&good, 3, "DMIG,KAAX,10,1"), ":3: found `DMIG,KAAX,10,1`; expected DMIG"),
+        damage(
+            "a field too many between commas",
+            line(&good, 3, "DMIG,KAAX,10,1,,10,1,1.0,,5"),
+            ":3: found `5`; expected at most 8 fields between commas",
+        ),
+        damage(
+            "a card between the columns",
+            line(&good, 5, "GRID,1,,0.,0.,0."),
+            ":8: found `DMIG*   KAAX                          10               2`; expected the columns of KAAX one behind the other",
+        ),
         damage("cut within a number", cut(&good, 4), format!(":{lines}: the file ends here")),
         damage("a header alone", head(&good, 2), ":3: the file ends here; expected columns of KAAX"),
     ];

@@ -1,9 +1,12 @@
 use std::path::Path;
 use std::rc::Rc;
 
-use super::Mention;
 use crate::error::{Problem, ReadError, Result};
+use crate::keyword::Keyword;
 use crate::text::Lines;
+
+/// Where something stands: a deck and a line of it.
+pub(super) type Mention = (Rc<Path>, u64);
 
 /// Most decks that include each other.
 const DEEPEST: usize = 16;
@@ -41,7 +44,7 @@ impl Source {
     }
 
     /// Goes on to the next line of this deck, if it has one.
-    pub(super) fn advance_here(&mut self) -> Result<bool> {
+    fn advance_here(&mut self) -> Result<bool> {
         let last = self.open.len() - 1;
         self.open[last].0.advance()
     }
@@ -68,6 +71,24 @@ impl Source {
         })?;
         self.open.push((lines, path.into()));
         Ok(())
+    }
+
+    /// The keyword that begins in this line, with the lines of its deck that follow it where it ends in a comma.
+    pub(super) fn keyword(&mut self) -> Result<Keyword> {
+        let mut text = self.line().trim_ascii().to_vec();
+        while text.ends_with(b",") && text.len() < 1 << 16 {
+            if !self.advance_here()? {
+                break;
+            }
+            text.extend_from_slice(self.line().trim_ascii());
+        }
+        Ok(Keyword::parse(&text))
+    }
+
+    /// The value of an option that a keyword must have.
+    pub(super) fn need(&self, keyword: &Keyword, option: &str) -> Result<String> {
+        let value = keyword.option(option).filter(|value| !value.is_empty());
+        value.ok_or_else(|| self.expected(&format!("{option}=… with *{}", keyword.name)))
     }
 
     pub(super) fn line(&self) -> &[u8] {
