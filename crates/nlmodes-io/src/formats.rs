@@ -78,6 +78,7 @@ impl Format {
             "mat" => Ok(Self::Mat),
             "hb" | "rsa" | "rb" | "hbmat" | "matrix" => Ok(Self::HarwellBoeing),
             "pch" | "dmig" | "bdf" | "nas" => Ok(Self::Dmig),
+            "inp" if user_element::is_one(&address.path)? => Ok(Self::Abaqus),
             "mtx" | "mm" => {
                 let mut first = [0; 14];
                 let read = crate::text::open(&address.path)?.read(&mut first);

@@ -69,8 +69,8 @@ pub struct Mesh {
     pub node_sets: BTreeMap<String, Vec<u64>>,
     /// Kinds of elements that were passed over since their shape is not known, and how many there are.
     pub passed_over: BTreeMap<String, usize>,
-    /// Displacements along x, y and z that a deck holds by `*BOUNDARY`, by the number of the node; none of a mesh that
-    /// knows nothing of supports.
+    /// Displacements along x, y and z that a deck holds by `*BOUNDARY`, `SPC` or `SPC1`, by the number of the node;
+    /// none of a mesh that knows nothing of supports.
     pub supports: Option<BTreeMap<u64, [bool; 3]>>,
     index: HashMap<u64, u32>,
     /// Directions of nodes whose displacements are not along the global axes (`CD` of Nastran's `GRID`).
@@ -94,9 +94,9 @@ impl Mesh {
         match address.ending().as_str() {
             "inp" => deck::read(path),
             "msh" => gmsh::read(path),
-            "bdf" | "dat" | "nas" | "pch" => bulk::read(path),
+            "bdf" | "dat" | "nas" | "fem" | "pch" => bulk::read(path),
             ending => {
-                let expected = "a mesh that ends in .inp, .msh, .bdf, .dat, .nas or .pch".to_owned();
+                let expected = "a mesh that ends in .inp, .msh, .bdf, .dat, .nas, .fem or .pch".to_owned();
                 let found = shown(format!(".{ending}").as_bytes());
                 Err(ReadError::whole(path, Problem::Expected { expected, found }))
             }

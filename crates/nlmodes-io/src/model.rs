@@ -6,15 +6,14 @@ mod files;
 mod inner;
 mod turned;
 
-use std::collections::{HashMap, HashSet};
-use std::ops::Range;
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 pub use files::{FeFiles, NodeChoice};
 
 use crate::error::{Problem, ReadError, Result};
 use crate::labels::{Component, DofLabel};
 use crate::lower::LowerTriangle;
-use crate::mesh::Mesh;
+use crate::mesh::{Expanded, Mesh};
 
 /// A linear structure of finite elements in SI units: what the files hold, checked against each other.
 ///
@@ -37,8 +36,9 @@ pub struct FeModel {
     pub fixed_mass: Vec<(usize, DofLabel, f64)>,
     places: HashMap<u64, [f64; 3]>,
     rows: HashMap<DofLabel, usize>,
-    /// Numbers of nodes that stand for unknowns within elements, which no file names.
-    within: Range<u64>,
+    /// Numbers of nodes that stand for unknowns within elements, which no file names, and the nodes of the deck from
+    /// which they come.
+    within: BTreeMap<u64, u64>,
 }
 
 impl FeModel {
@@ -64,7 +64,8 @@ impl FeModel {
     /// depends on others (`*EQUATION`, `*RIGID BODY`, `*TIE`, `*COUPLING`); none where nothing is known of supports, or where no
     /// node moves along that axis.
     pub fn is_held(&self, node: u64, component: Component) -> Option<bool> {
-        if self.fixed.contains(&DofLabel { node, component }) {
+        let in_plane = self.mesh.as_ref().is_some_and(|mesh| mesh.expanded.get(&node) == Some(&Expanded::InPlane));
+        if self.fixed.contains(&DofLabel { node, component }) || (in_plane && component == Component::Z) {
             return Some(true);
         }
         let supports = self.mesh.as_ref()?.supports.as_ref()?;
@@ -144,7 +145,7 @@ impl FeModel {
     pub fn inertia_along(&self, direction: [f64; 3]) -> Vec<f64> {
         let mut inertia = vec![0.0; self.n_dofs()];
         self.mass.multiply(&self.rigid_displacement(direction), &mut inertia);
-        for (row, held, mass) in &self.fixed_mass {
+        for (row, held, mass) in self.fixed_mass.iter().filter(|(_, held, _)| !self.within.contains_key(&held.node)) {
             inertia[*row] += held.component.translation().map_or(0.0, |axis| direction[axis] * mass);
         }
         inertia

@@ -1,4 +1,4 @@
-//! Bulk data of Nastran: grid points, elements and `SET1` of a deck or of a punch file.
+//! Bulk data of Nastran: grid points, elements, supports and `SET1` of a deck or of a punch file.
 
 use std::path::Path;
 
@@ -66,6 +66,13 @@ pub(super) fn read(path: &Path) -> Result<Mesh> {
                     card.extend(&line);
                 }
             }
+            Start::Results if source.line().trim_ascii().starts_with(b"=") => {
+                return Err(source.error(Problem::Refused {
+                    found: shown(source.line()),
+                    expected: "cards with all of their fields",
+                    reason: "cards that repeat the fields of the one before are not read; write the deck with all its nodes",
+                }));
+            }
             Start::Card | Start::Results => {
                 let name = if line.start == Start::Card { line.name() } else { String::new() };
                 let mention = source.mention();
@@ -94,24 +101,68 @@ pub(crate) fn included(line: &[u8]) -> Option<String> {
     head.eq_ignore_ascii_case(b"INCLUDE").then(|| String::from_utf8_lossy(file).trim_matches(quotes).to_owned())
 }
 
+/// Most nodes that the sets of a deck name: a few lines could name more than fit into memory.
+const MOST_IN_SETS: u64 = 50_000_000;
+
+/// The first and the last number of a range.
+type Range = (u64, u64);
+
+/// Ranges in the fields of a card from `first` on: numbers, and `first, THRU, last`.
+fn listed(card: &BulkCard, first: usize, mention: &Mention) -> Result<Vec<Range>> {
+    let (mut ranges, mut through): (Vec<Range>, bool) = (Vec::new(), false);
+    for field in card.fields().skip(first).filter(|field| !field.is_empty()) {
+        through |= field.eq_ignore_ascii_case(b"THRU");
+        let Some(number) = unsigned(field) else { continue };
+        match ranges.last_mut().filter(|_| through) {
+            Some((first, last)) if number >= *first => *last = number,
+            Some((first, _)) => {
+                let expected = format!("a range that ascends from {first}");
+                let problem = Problem::Expected { expected, found: number.to_string() };
+                return Err(ReadError::new(&mention.0, Place::Line(card.line), problem));
+            }
+            None => ranges.push((number, number)),
+        }
+        through = false;
+    }
+    Ok(ranges)
+}
+
 #[derive(Default)]
 struct Deck {
     mesh: Mesh,
     points: Points,
     elements: Vec<(u64, ElementKind, Vec<u64>, Mention)>,
+    sets: Vec<(String, Vec<Range>)>,
+    held: Vec<(Range, [bool; 3])>,
 }
 
 impl Deck {
     fn reads(name: &str) -> bool {
-        Points::knows(name) || shape(name).is_some() || joins(name) || matches!(name, "SET1" | "SPOINT")
+        Points::knows(name) || shape(name).is_some() || joins(name) || matches!(name, "SET1" | "SPC" | "SPC1")
     }
 
     fn take(&mut self, card: &BulkCard, mention: Mention) -> Result<()> {
         match (card.name.as_str(), shape(&card.name)) {
-            ("SET1", _) => self.set(card, &mention),
+            ("SET1", _) => {
+                let name = String::from_utf8_lossy(card.field(0)).into_owned();
+                self.sets.push((name, listed(card, 1, &mention)?));
+                Ok(())
+            }
+            ("SPC1", _) => {
+                listed(card, 2, &mention)?.into_iter().for_each(|range| self.hold(range, card.field(1)));
+                Ok(())
+            }
+            ("SPC", _) => {
+                let nodes = [1, 4].into_iter().filter_map(|k| unsigned(card.field(k)).map(|node| (k, node)));
+                nodes.for_each(|(k, node)| self.hold((node, node), card.field(k + 1)));
+                Ok(())
+            }
+            ("GRID", _) => {
+                unsigned(card.field(0)).into_iter().for_each(|node| self.hold((node, node), card.field(6)));
+                self.points.take(&mention.0, card)
+            }
             (_, Some(shape)) => self.element(card, &shape, mention),
             (name, None) if Points::knows(name) => self.points.take(&mention.0, card),
-            ("SPOINT", _) => Ok(()),
             (name, None) => {
                 *self.mesh.passed_over.entry(name.to_owned()).or_default() += 1;
                 Ok(())
@@ -139,27 +190,42 @@ impl Deck {
         Ok(())
     }
 
-    /// `SET1, number, nodes`, also `first, THRU, last`; the name of the set is its number.
-    fn set(&mut self, card: &BulkCard, mention: &Mention) -> Result<()> {
-        const MOST: u64 = 50_000_000;
-        let mut fields = card.fields();
-        let name = String::from_utf8_lossy(fields.next().unwrap_or_default()).into_owned();
-        let (mut nodes, mut through): (Vec<u64>, bool) = (Vec::new(), false);
-        for field in fields.filter(|field| !field.is_empty()) {
-            through |= field.eq_ignore_ascii_case(b"THRU");
-            let Some(number) = unsigned(field) else { continue };
-            match nodes.last().copied().filter(|_| through) {
-                Some(first) if number >= first && number - first < MOST => nodes.extend(first + 1..=number),
-                Some(first) => {
-                    let expected = format!("a range that ascends from {first}, of at most {MOST} nodes");
-                    let problem = Problem::Expected { expected, found: number.to_string() };
-                    return Err(ReadError::new(&mention.0, Place::Line(card.line), problem));
-                }
-                None => nodes.push(number),
-            }
-            through = false;
+    /// Holds the directions whose digits stand in a field.
+    fn hold(&mut self, range: Range, directions: &[u8]) {
+        let mut held = [false; 3];
+        for axis in directions.iter().filter_map(|digit| digit.checked_sub(b'1')).filter(|axis| *axis < 3) {
+            held[usize::from(axis)] = true;
         }
-        self.mesh.add_to_set(&name, nodes);
+        if held != [false; 3] {
+            self.held.push((range, held));
+        }
+    }
+
+    /// Sets and supports of the nodes that are there.
+    fn resolve(&mut self, path: &Path) -> Result<()> {
+        let mut count = 0;
+        let mut numbers = self.mesh.numbers.clone();
+        numbers.sort_unstable();
+        let within = |(first, last): Range| {
+            let (from, to) = (numbers.partition_point(|n| *n < first), numbers.partition_point(|n| *n <= last));
+            numbers[from..to].to_vec()
+        };
+        for (name, ranges) in std::mem::take(&mut self.sets) {
+            let nodes: Vec<u64> = ranges.into_iter().flat_map(within).collect();
+            count += nodes.len() as u64;
+            if count > MOST_IN_SETS {
+                let (what, limit) = ("number of nodes that sets name", MOST_IN_SETS);
+                return Err(ReadError::whole(path, Problem::TooLarge { what, found: count, limit }));
+            }
+            self.mesh.add_to_set(&name, nodes);
+        }
+        let supports = self.mesh.supports.get_or_insert_default();
+        for (range, held) in std::mem::take(&mut self.held) {
+            for node in within(range) {
+                supports.entry(node).or_default().iter_mut().zip(held).for_each(|(own, held)| *own |= held);
+            }
+        }
+        self.mesh.sort_sets();
         Ok(())
     }
 
@@ -176,7 +242,8 @@ impl Deck {
             let _ = self.mesh.add_node(number, place);
         }
         self.mesh.directions = located.directions;
-        for (number, kind, nodes, (path, line)) in self.elements {
+        self.resolve(path)?;
+        for (number, kind, nodes, (path, line)) in std::mem::take(&mut self.elements) {
             let index = |node: &u64| {
                 self.mesh.index_of(*node).map(|index| index as u32).ok_or_else(|| {
                     let (expected, found) =
@@ -187,9 +254,6 @@ impl Deck {
             let nodes = nodes.iter().map(index).collect::<Result<_>>()?;
             self.mesh.elements.push(Element { number, kind, nodes });
         }
-        let known = &self.mesh.index;
-        self.mesh.node_sets.values_mut().for_each(|set| set.retain(|node| known.contains_key(node)));
-        self.mesh.sort_sets();
         Ok(self.mesh)
     }
 }

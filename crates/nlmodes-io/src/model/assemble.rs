@@ -1,4 +1,4 @@
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use super::{FeFiles, FeModel, NodeChoice, expanded, turned};
 use crate::error::{Problem, ReadError, Result};
@@ -56,7 +56,7 @@ pub(super) fn read(files: &FeFiles) -> Result<FeModel> {
 impl FeModel {
     fn new(stiffness: MatrixData, mass: LowerTriangle, labels: Vec<DofLabel>, places: HashMap<u64, [f64; 3]>) -> Self {
         let (stiffness, fixed) = (stiffness.lower, stiffness.fixed);
-        let (fixed_mass, rows, within) = (Vec::new(), HashMap::new(), 0..0);
+        let (fixed_mass, rows, within) = (Vec::new(), HashMap::new(), BTreeMap::new());
         Self { stiffness, mass, labels, mesh: None, fixed, fixed_mass, places, rows, within }
     }
 
@@ -138,7 +138,12 @@ fn hold(model: &mut FeModel, files: &FeFiles) -> Result<()> {
     let mut nodes = HashSet::new();
     for choice in &files.fixed {
         match choice {
-            NodeChoice::Set(name) => nodes.extend(model.nodes_of_set(files, name)?),
+            NodeChoice::Set(name) => {
+                nodes.extend(model.nodes_of_set(files, name)?);
+                // Also those of which only unknowns within elements are left.
+                let set = model.mesh.as_ref().and_then(|mesh| mesh.node_set(name));
+                nodes.extend(set.unwrap_or_default());
+            }
             NodeChoice::Node(node) if model.labels.iter().any(|label| label.node == *node) => {
                 nodes.insert(*node);
             }
@@ -152,6 +157,8 @@ fn hold(model: &mut FeModel, files: &FeFiles) -> Result<()> {
     if nodes.is_empty() {
         return Ok(());
     }
+    let within = model.within.iter().filter(|(_, owner)| nodes.contains(owner)).map(|(node, _)| *node);
+    nodes.extend(within.collect::<Vec<_>>());
     let mut free = 0;
     let mut to = Vec::with_capacity(model.labels.len());
     for label in &model.labels {

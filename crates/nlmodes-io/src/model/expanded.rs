@@ -11,8 +11,7 @@
 //! A hinge, as of trusses and membranes, comes before the nodes that come of it and moves by itself, `q₁ = p₁`. A rigid
 //! displacement moves p₁ alone in both. Frequencies are those of all rows.
 
-use std::collections::HashMap;
-use std::ops::Range;
+use std::collections::{BTreeMap, HashMap};
 
 use super::FeFiles;
 use crate::error::{Place, Problem, ReadError, Result};
@@ -24,8 +23,10 @@ use crate::mesh::{Expanded, Mesh};
 pub(super) struct Means {
     pub(super) labels: Vec<DofLabel>,
     pub(super) motion: Motion,
-    /// Numbers of nodes that stand for unknowns within elements.
-    pub(super) within: Range<u64>,
+    /// Numbers of nodes that stand for unknowns within elements, and the nodes from which they come.
+    pub(super) within: BTreeMap<u64, u64>,
+    /// The next such number.
+    next: u64,
 }
 
 /// What becomes of the rows of a label.
@@ -51,10 +52,10 @@ pub(super) fn means(files: &FeFiles, table: &LabelTable, mesh: Option<&Mesh>) ->
         rows.entry(*label).or_default().push(row);
     }
     let highest = table.labels.iter().map(|label| label.node).chain(mesh.numbers.iter().copied()).max();
-    let first = highest.unwrap_or(0) + 1;
+    let next = highest.unwrap_or(0) + 1;
     let n = table.labels.len();
     let motion = (0..n).map(|row| vec![(row, 1.0)]).collect();
-    let mut means = Means { labels: table.labels.clone(), motion, within: first..first };
+    let mut means = Means { labels: table.labels.clone(), motion, within: BTreeMap::new(), next };
     for row in 0..n {
         let label = table.labels[row];
         let Some(same) = rows.remove(&label) else { continue };
@@ -99,8 +100,9 @@ impl Means {
 
     /// Names a row as an unknown within elements.
     fn within(&mut self, row: usize) {
-        self.labels[row].node = self.within.end;
-        self.within.end += 1;
+        self.within.insert(self.next, self.labels[row].node);
+        self.labels[row].node = self.next;
+        self.next += 1;
     }
 }
 

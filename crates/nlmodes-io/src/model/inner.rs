@@ -30,7 +30,8 @@ impl FeModel {
                 }
             }
         }
-        let silent = |k: &usize| self.within.contains(&nodes[*k]) || (own[*k] > 0.0 && answer[*k] < ANSWERS * own[*k]);
+        let silent =
+            |k: &usize| self.within.contains_key(&nodes[*k]) || (own[*k] > 0.0 && answer[*k] < ANSWERS * own[*k]);
         (0..nodes.len()).filter(silent).map(|k| nodes[k]).collect()
     }
 }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use nlmodes_io::{Component, FeFiles, FeModel};
+use nlmodes_io::{Component, FeFiles, FeModel, NodeChoice};
 
 /// A shell of one element whose free nodes 3 and 4 are two nodes each, below and above; of node 2 one row is left.
 const DECK: &str =
@@ -59,6 +59,28 @@ fn a_node_moves_as_the_mean_of_those_that_come_of_it() {
     assert_eq!(model.nodes_without_place().len(), 3);
 }
 
+/// All that comes of a node is held with it, and none of it moves with a base.
+#[test]
+fn a_node_is_held_with_all_that_comes_of_it() {
+    let directory = tempfile::tempdir().unwrap();
+    let free = model(directory.path(), Some(DECK), &LABELS).unwrap();
+    let mut files = FeFiles::new(
+        &directory.path().join("x.sti").to_string_lossy(),
+        &directory.path().join("x.mas").to_string_lossy(),
+    );
+    files.dofs = Some(directory.path().join("x.dof"));
+    files.mesh = Some(directory.path().join("x.inp"));
+    files.fixed = vec![NodeChoice::Set("TIP".into())];
+    let held = FeModel::read(&files).unwrap();
+    assert_eq!(held.n_dofs(), 2, "nodes 2 and 3, with one row and two, are held");
+    let four = held.row_of(4, Component::Z).unwrap();
+    let [of_three, of_four] = [3, 4].map(|node| free.row_of(node, Component::Z).unwrap());
+    assert_eq!(held.stiffness.get(four, four), free.stiffness.get(of_four, of_four));
+    let inertia = held.inertia_along([0.0, 0.0, 1.0])[four];
+    let expected = free.mass.get(of_four, of_four) + free.mass.get(of_four, of_three);
+    assert!((inertia / expected - 1.0).abs() < 1e-14, "{inertia} {expected}");
+}
+
 /// In the plane one row is the motion of the node; along z the nodes that come of it breathe.
 #[test]
 fn plane_elements_keep_their_rows_in_the_plane() {
@@ -68,6 +90,7 @@ fn plane_elements_keep_their_rows_in_the_plane() {
         let model = model(directory.path(), Some(&deck), &["3.3", "3.1", "3.2", "3.3", "2.3"]).unwrap();
         let rows = [Component::X, Component::Y, Component::Z].map(|component| model.row_of(3, component));
         assert_eq!(rows, [Some(1), Some(2), None], "{kind}");
+        assert_eq!(model.is_held(3, Component::Z), Some(true), "{kind}: nothing leaves the plane");
         assert!((model.stiffness.get(1, 2) - 1e3 / 4.0).abs() < 1e-12);
     }
 }

@@ -182,10 +182,9 @@ fn nodes_in_the_middle_of_edges_have_the_pieces_around_them() {
 
 #[test]
 fn coordinates_that_are_left_out_are_zero() {
-    let text =
-        "*NODE\n1\n2, 1.5\n3, , 2\n4, 1, 2,\n5, 1, 2, 3\n6, 1, , 3, 0, 0, 1\n*ELEMENT, TYPE=S3, ELSET=E\n1, 1, 2, 3\n";
+    let text = "*NODE\n1\n2, 1.5\n3, , 2\n4, 1, 2,\n5, 1, 2, , 3.0\n6, 1, , 3, 0, 0, 1\n*ELEMENT, TYPE=S3, ELSET=E\n1, 1, 2, 3\n";
     let mesh = mesh("x.inp", text).unwrap();
-    let expected = [[0.0; 3], [1.5, 0.0, 0.0], [0.0, 2.0, 0.0], [1.0, 2.0, 0.0], [1.0, 2.0, 3.0], [1.0, 0.0, 3.0]];
+    let expected = [[0.0; 3], [1.5, 0.0, 0.0], [0.0, 2.0, 0.0], [1.0, 2.0, 0.0], [1.0, 2.0, 0.0], [1.0, 0.0, 3.0]];
     assert_eq!(mesh.places, expected);
 }
 

@@ -142,11 +142,15 @@ fn decks_of_nastran_are_meshes() {
     let deck = "SOL 103\nCEND\nSPC = 1\nBEGIN BULK\nINCLUDE 'nodes.bdf'\nCHEXA   7       1       1       2       3       4       5       6       +A\n\
                 +A      7       8       9       10      11      12      13      14      +B\n+B      15      16      17      18      19      20\n\
                 CTETRA,8,1,1,2,4,5\nCQUAD4,9,1,1,2,5,4,0.0\nCBAR,10,1,1,2,0.,0.,1.\nCONM2,11,3,,2.5\nPSOLID,1,1\n\
-                SET1,4,1,THRU,3,9\nENDDATA\nnot read\n";
+                SET1,4,1,THRU,3,9\nSPC1,1,123456,1,THRU,3\nSPC,1,5,2,,6,13\nENDDATA\nnot read\n";
     let mesh = Mesh::read(&written(directory.path(), "x.bdf", deck)).unwrap();
     assert_eq!(mesh.numbers.len(), 21);
     assert_eq!(mesh.node_set("4").unwrap(), [1, 2, 3, 9]);
     assert_eq!(mesh.passed_over.get("CONM2"), Some(&1));
+    let supports: Vec<_> = mesh.supports.iter().flatten().map(|(node, held)| (*node, *held)).collect();
+    let expected =
+        [(1, [true; 3]), (2, [true; 3]), (3, [true; 3]), (5, [false, true, false]), (6, [true, false, true])];
+    assert_eq!(supports, expected);
     let kinds: Vec<ElementKind> = mesh.elements.iter().map(|element| element.kind).collect();
     assert_eq!(kinds, [ElementKind::Hexahedron, ElementKind::Tetrahedron, ElementKind::Quadrangle, ElementKind::Line]);
     // Nastran counts upright edges before those of the top.
@@ -160,6 +164,7 @@ fn decks_of_nastran_are_meshes() {
         ("GRID,1,,0.,0.,0.\nCBAR,1,1,1,2\n", "node 2, which is not there"),
         ("GRID,1,,0.,0.,0.\nCTRIA3,1,1,1,1\n", "expected a node in field 6 of CTRIA3"),
         ("GRID,1,,0.,0.,0.\nSET1,1,9,THRU,3\n", "expected a range that ascends from 9"),
+        ("GRID,1,,0.,0.,0.\n=,*1,=,*1.,==\n", "found `=,*1,=,*1.,==`; expected cards with all of their fields"),
         ("PARAM,POST,-1\n", "expected grid points (GRID)"),
         ("GRID,1,2,0.,0.,0.\nCORD2R,2,,0.,0.,0.,0.,0.,1.\n,0.,0.,2.\n", "that do not lie on one line"),
         ("INCLUDE 'none.bdf'\n", "expected a deck that can be read"),

@@ -77,8 +77,9 @@ impl Deck {
 
     fn node(&mut self, source: &Source, set: Option<&str>) -> Result<()> {
         let fields: Vec<&[u8]> = commas(source.line()).collect();
-        // Coordinates that are left out are 0; Abaqus has three numbers of a normal behind them.
-        if !matches!(fields.len(), 1..=4 | 7) {
+        // Coordinates that are left out are 0; Abaqus has up to three numbers of a normal behind them, and CalculiX
+        // passes over what is there.
+        if !matches!(fields.len(), 1..=7) {
             return Err(source.expected("a node: number, x, y, z"));
         }
         let number = source.unsigned(fields[0], "number of the node")?;

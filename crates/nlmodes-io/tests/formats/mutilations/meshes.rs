@@ -89,9 +89,9 @@ fn decks() {
     );
     let cases = vec![
         damage(
-            "four coordinates",
-            line(good, 3, "2, 1, 0, 0, 5"),
-            ":3: found `2, 1, 0, 0, 5`; expected a node: number, x, y, z",
+            "seven coordinates",
+            line(good, 3, "2, 1, 0, 0, 0, 0, 1, 5"),
+            ":3: found `2, 1, 0, 0, 0, 0, 1, 5`; expected a node: number, x, y, z",
         ),
         damage("a letter", line(good, 3, "2, 1, o, 0"), ":3: found `o`; expected a number, the coordinate"),
         damage(
