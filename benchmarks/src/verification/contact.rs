@@ -72,7 +72,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "propped-cantilever",
-        problem: "Thick cantilever of 2 m (0.05 m wide, 0.1 m high, `E = 200 GPa`, `ν = 0.3`, `κ = 5/6`) loaded by 10 kN at mid-span toward a stop at its tip, 1 mm away at rest.\nForce of the stop, from the reduction to two open modes.",
+        problem: "Thick cantilever of 2 m (0.05 m wide, 0.1 m high, `E = 200 GPa`, `ν = 0.3`, `κ = 5/6`) loaded by 10 kN at mid-span toward a stop at its tip, 1 mm away at rest.\nForce of the stop, from the reduction to two free-interface modes.",
         kind: Kind::Exact,
         reference: "Timoshenko's statics: tip deflection `F(5L³/48EI + L/2κGA)`, tip compliance `L³/3EI + L/κGA`; residual flexibility makes statics exact, whatever the number of modes",
         remark: "",

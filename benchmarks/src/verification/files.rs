@@ -45,7 +45,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "bracket-statics",
-        problem: "The bracket pressed by 100 N along z at the first free node of its set `edge`, with no stop, through two, eight and 16 open modes and their residual flexibility.\nDisplacement of the node along the force.",
+        problem: "The bracket pressed by 100 N along z at the first free node of its set `edge`, with no stop, through two, eight and 16 free-interface modes and their residual flexibility.\nDisplacement of the node along the force.",
         kind: Kind::Independent,
         reference: "the solution of `K q = f` by conjugate gradients with Jacobi's preconditioner, written for the case",
         remark: "",

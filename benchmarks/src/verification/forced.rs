@@ -77,7 +77,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "linear-phase-resonance",
-        problem: "A mass of 2 kg on 50 N/m with 3 % damping, driven by 4 N, before a stop that it does not reach.\nFrequency and amplitude of phase resonance.",
+        problem: "A mass of 2 kg on 50 N/m with 3 % damping, driven by 4 N, with a stop that it does not reach.\nFrequency and amplitude of phase resonance.",
         kind: Kind::Exact,
         reference: "`ω₀ = 5 rad/s` whatever the damping, `F/(cω₀)`",
         remark: "",

@@ -40,7 +40,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "rod-massless-tip",
-        problem: "The rod of Section 3 of the paper: `E = 210 GPa`, `ρ = 9000 kg/m³`, `L = 20 m`, 100 elements, consistent mass;\nthe mass of the tip node is dropped. First and second frequency, and the first one with the tip held.",
+        problem: "The rod of Section 3 of the paper: `E = 210 GPa`, `ρ = 9000 kg/m³`, `L = 20 m`, 100 elements, consistent mass;\nthe mass of the tip node is dropped. First and second frequency, and the first one with the tip fixed.",
         kind: Kind::Exact,
         reference: "`q_j = sin κj` between the ends; the equations of the last two nodes give one equation for `κ`, solved by bisection",
         remark: "the paper says 60.3 Hz and \"around 182\" Hz: the former is the frequency with the mass kept or moved (next case)",
@@ -181,7 +181,7 @@ fn massless_tip() -> Result<Vec<Check>, Failure> {
     Ok(vec![
         Check::relative("f_1, Hz", found[0] / TAU, tip_frequency(100.0, speed, [0.9, 1.1]) / TAU, 1e-10, why),
         Check::relative("f_2, Hz", found[1] / TAU, tip_frequency(100.0, speed, [2.8, 3.2]) / TAU, 1e-10, why),
-        Check::relative("f_1 with the tip held, Hz", held / TAU, exact_held / TAU, 1e-10, why),
+        Check::relative("f_1 with the tip fixed, Hz", held / TAU, exact_held / TAU, 1e-10, why),
     ])
 }
 
@@ -197,7 +197,7 @@ fn moved_tip() -> Result<Vec<Check>, Failure> {
     let model = rod.assemble(&[Stop::rigid(20.0, Direction::Axial, Side::Positive, 0.5)])?;
     let model = MasslessContactModel::new(&model, &Move)?;
     let found = linear_modes(model.mass(), model.stiffness(), 1)?.omega[0] / TAU;
-    Ok(vec![Check::of_size("f_1, Hz", [found, 60.3, 60.3], 2e-3, "its digits: 60.3 may stand for anything up to 60.4")])
+    Ok(vec![Check::of_size("f_1, Hz", [found, 60.3, 60.3], 2e-3, "its digits: 60.3 may mean anything up to 60.4")])
 }
 
 fn chain() -> Result<Vec<Check>, Failure> {

@@ -11,19 +11,19 @@ const ROUNDING: f64 = 1e-11;
 const HEAD: &str = "\
 # Verification
 
-Problems with known answers, computed anew whenever this page is written:
+Problems with known answers, recomputed whenever this page is written:
 
 ```sh
 cargo run --release -p nlmodes-benchmarks --example verification
 ```
 
-`cargo test -p nlmodes-benchmarks --test verification` runs the same cases and compares their numbers with those of this page. A case may be run
-alone: `cargo run --release -p nlmodes-benchmarks --example verification -- sdnd122` prints those whose name contains the word and writes nothing.
+`cargo test -p nlmodes-benchmarks --test verification` runs the same cases and compares their numbers with those of this page. A single case can be run:
+`cargo run --release -p nlmodes-benchmarks --example verification -- sdnd122` prints those whose name contains the word and writes nothing.
 
-No reference is a number that this program gave. They are closed forms, which the case evaluates itself (*exact*); other methods for the same
-equations, written for the case and for nothing else (*independent computation*); numbers that others have published (*other program*); or
-measurements (*measured*). Errors are relative unless a size is named. Each limit has its reason: where a discretisation errs, its theory; elsewhere rounding.
-Errors below 1e-11 are rounding, and shown as that.
+No reference value was computed with this program. References are closed forms evaluated by the case itself (*exact*); other methods for the same
+equations, written only for the case (*independent computation*); published numbers (*other program*); or
+measurements (*measured*). Errors are relative unless a scale is given. Each limit has its reason: the theory of the discretisation error, or rounding.
+Errors below 1e-11 are shown as rounding.
 
 ";
 

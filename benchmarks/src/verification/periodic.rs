@@ -42,7 +42,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "bilinear-one-sided",
-        problem: "A mass of ⅓ kg on 2 N/m before a stop of 6 N/m at 1 m, which it passes by 0.6 m; harmonic balance.\nFrequency and total energy with 80 harmonics; order over 6 to 48 harmonics.",
+        problem: "A mass of ⅓ kg on 2 N/m with a stop of 6 N/m at 1 m, into which it penetrates by 0.6 m; harmonic balance.\nFrequency and total energy with 80 harmonics; order over 6 to 48 harmonics.",
         kind: Kind::Exact,
         reference: "two harmonic arcs; the third derivative jumps, so that `x_n ~ n⁻⁴` and the frequency, which is stationary, errs with `H⁻⁵`",
         remark: "",
@@ -58,7 +58,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "bilinear-massless-node",
-        problem: "The same mass with a spring of 2 N/m and a massless node before a rigid stop at 1 m, which the mass passes by 0.7 m; mixed shooting, 60 harmonics.\nFrequency, total energy, and largest contact force.",
+        problem: "The same mass with a spring of 2 N/m and a massless node with a rigid stop at 1 m, which the mass passes by 0.7 m; mixed shooting, 60 harmonics.\nFrequency, total energy, and largest contact force.",
         kind: Kind::Exact,
         reference: "the mass sees a stop of 2 N/m; the force is that spring's, 1.4 N",
         remark: "",
@@ -82,7 +82,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "small-penetration",
-        problem: "A mass of 1 kg on 1 N/m before a stop of 100 N/m at 1 mm, which it passes by 1 to 16 nm; 20 harmonics.\nHow the frequency rises over the energy at which it just touches.",
+        problem: "A mass of 1 kg on 1 N/m with a stop of 100 N/m at 1 mm, into which it penetrates by 1 to 16 nm; 20 harmonics.\nHow the frequency rises over the energy at which it just touches.",
         kind: Kind::Exact,
         reference: "two harmonic arcs; the contact lasts like the root of the penetration, so that the frequency rises with its power 3/2",
         remark: "",

@@ -44,7 +44,7 @@ pub(super) const CASES: &[Case] = &[
         problem: "Force `cos θ`, velocity `cos θ + ½ cos 2θ` at the drive point: a force that is not appropriated.\nPower-based mode indicator, active power, with both signs of the force.",
         kind: Kind::Exact,
         reference: "`P = ½`, `S = ½ √(1 + ¼)`: `±2/√5`",
-        remark: "eq. (19) of the paper has a minus sign and is said to reach +1; here a perfect force has +1",
+        remark: "eq. (19) of the paper has a minus sign and is stated to reach +1; here a perfect force has +1",
         compute: indicator,
     },
     Case {
@@ -65,7 +65,7 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "stiffness-of-a-stop",
-        problem: "A mass of 1 kg on (80π)² = 63 165.47 N/m (40 Hz) before a stop of 4·10⁵ N/m at 1 mm, 0.3 mm beyond it: displacement, velocity and contact force, 40 kHz.\nContact stiffness, where the stop is, share of time in contact, restitution.",
+        problem: "A mass of 1 kg on (80π)² = 63 165.47 N/m (40 Hz) with a stop of 4·10⁵ N/m at 1 mm, 0.3 mm beyond it: displacement, velocity and contact force, 40 kHz.\nContact stiffness, where the stop is, share of time in contact, restitution.",
         kind: Kind::Exact,
         reference: "two harmonic arcs; the motion is symmetric about the contact: restitution 1",
         remark: "",

@@ -8,7 +8,7 @@ use super::super::Check;
 use crate::Failure;
 
 /// Why a parameter at a crossing has that limit.
-pub const CROSSED: &str = "a crossing is a double zero: the root of the tolerance";
+pub const CROSSED: &str = "a branch point is a double zero: the root of the tolerance";
 
 /// From `x`, `p` with growing parameter until it, or an unknown, leaves its window.
 pub fn trace<S: ParametricSystem>(
@@ -54,7 +54,7 @@ pub fn crossings(branch: &Branch, expected: &[(f64, usize)], size: f64) -> Vec<C
     for (k, (crossing, (p, arms))) in branch.crossings.iter().zip(expected).enumerate() {
         let found = crossing.z.last().copied().unwrap_or(f64::NAN);
         checks.push(Check::of_size(format!("p at branch point {}", k + 1), [found, *p, size], 1e-6, CROSSED));
-        checks.push(Check::count(format!("arms of branch point {}", k + 1), crossing.arms.len(), *arms));
+        checks.push(Check::count(format!("half-branches of branch point {}", k + 1), crossing.arms.len(), *arms));
     }
     checks
 }
