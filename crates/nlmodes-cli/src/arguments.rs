@@ -6,8 +6,14 @@ use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use nlmodes_scene::memory;
 
+#[cfg(not(all(feature = "explore", feature = "print")))]
+use crate::absent;
+#[cfg(feature = "explore")]
+use crate::explore;
+#[cfg(feature = "print")]
+use crate::figures;
 use crate::options::RunOptions;
-use crate::{at, compare, explore, figures, lcp, new, study, verify};
+use crate::{at, compare, lcp, new, study, verify};
 
 /// Nonlinear modes of structures with one-sided contact
 ///
@@ -140,7 +146,11 @@ Examples:
   nlmodes-cli explore configs/rod.toml --set method.harmonics=1
 
 The page is for this machine only, and for whoever has its address. Nothing is written but what is saved, beside the scene. Ctrl-C ends.")]
+    #[cfg(feature = "explore")]
     Explore(explore::Arguments),
+    /// Not in this build: a page with sliders, on which the branch is computed anew while one drags
+    #[cfg(not(feature = "explore"))]
+    Explore(absent::Arguments),
     /// Convert the figures of results to PDF or PNG, for papers and slides
     #[command(after_help = "\
 Examples:
@@ -149,7 +159,11 @@ Examples:
   nlmodes-cli figures results/beam --width-mm 90 --no-titles             drawn anew for one column
 
 The width of those that a run writes, and their titles, are output.figure_width_mm and output.figure_titles of the scene.")]
+    #[cfg(feature = "print")]
     Figures(figures::Arguments),
+    /// Not in this build: convert the figures of results to PDF or PNG
+    #[cfg(not(feature = "print"))]
+    Figures(absent::Arguments),
     /// Print the meaning of every results file, its columns and arrays, with units and signs
     #[command(after_help = "Example:\n  nlmodes-cli columns | less")]
     Columns {

@@ -9,11 +9,17 @@ use nlmodes_run::{RunError, no_contact};
 use nlmodes_scene::outline::Outline;
 use nlmodes_scene::{self as scenes, AnyScene, SceneError, SceneFile, memory, nearest};
 
+#[cfg(not(all(feature = "explore", feature = "print")))]
+use crate::absent;
 use crate::arguments::{Command, CommandLine, Experiment, SceneArguments, SchemaOf};
+#[cfg(feature = "explore")]
+use crate::explore;
+#[cfg(feature = "print")]
+use crate::figures;
 use crate::observer::TerminalObserver;
 use crate::options::RunOptions;
 use crate::terminal::{print, refuse, refuse_run, wants_colours};
-use crate::{Status, at, compare, explore, extract, figures, lcp, modes, new, run, study, verify};
+use crate::{Status, at, compare, extract, lcp, modes, new, run, study, verify};
 
 /// Parses the command line and executes it. Wrong calls end here with status 2.
 pub fn run() -> Status {
@@ -41,8 +47,14 @@ pub fn run() -> Status {
         Command::Check { scene } => with(&scene, None, scenes::load_any, check),
         Command::Schema { of: SchemaOf::Scene } => print(&format!("{:#}", scenes::whole_schema())),
         Command::Schema { of: SchemaOf::Study } => print(&format!("{:#}", nlmodes_study::schema())),
+        #[cfg(feature = "explore")]
         Command::Explore(arguments) => explore::run(&arguments),
+        #[cfg(not(feature = "explore"))]
+        Command::Explore(_) => absent::refuse("explore", "explore"),
+        #[cfg(feature = "print")]
         Command::Figures(arguments) => figures::run(&arguments),
+        #[cfg(not(feature = "print"))]
+        Command::Figures(_) => absent::refuse("figures", "print"),
         Command::Columns { markdown: true } => print(nlmodes::report::columns::markdown().trim_end()),
         Command::Columns { markdown: false } => print(nlmodes::report::columns::text().trim_end()),
         Command::Completions { shell } => {

@@ -12,12 +12,16 @@ macro_rules! say {
     }};
 }
 
+#[cfg(not(all(feature = "explore", feature = "print")))]
+mod absent;
 mod arguments;
 mod at;
 pub mod command;
 mod compare;
+#[cfg(feature = "explore")]
 mod explore;
 mod extract;
+#[cfg(feature = "print")]
 mod figures;
 mod interrupt;
 mod lcp;

@@ -37,6 +37,7 @@ pub enum StudyError {
         reason: String,
     },
     /// The table cannot be written as Parquet.
+    #[cfg(feature = "parquet")]
     #[error("{}: {source}", path.display())]
     Parquet {
         /// The file.

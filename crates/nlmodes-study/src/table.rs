@@ -3,6 +3,7 @@
 
 mod cells;
 mod csv;
+#[cfg(feature = "parquet")]
 mod parquet;
 
 pub use cells::{Cells, Column, Table};

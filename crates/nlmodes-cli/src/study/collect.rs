@@ -36,7 +36,8 @@ pub fn write(study: &Study, threads: usize, quiet: bool) -> Status {
         let mut text = counts.to_string();
         collected.statistics.iter().for_each(|statistics| text += &format!("\n\n{statistics}"));
         let place = |name| shown(&study.directory, name);
-        text += &format!("\n\nTable in {} and study.parquet, page in {}", place("study.csv"), place("report.html"));
+        let parquet = if cfg!(feature = "parquet") { " and study.parquet" } else { "" };
+        text += &format!("\n\nTable in {}{parquet}, page in {}", place("study.csv"), place("report.html"));
         if print(&text) != Status::Done {
             return Status::EndedEarly;
         }
