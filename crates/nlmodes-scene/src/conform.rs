@@ -1,7 +1,7 @@
 //! The document against the schema: unknown keys, units, kinds of values, limits, permitted values, missing keys.
 //!
-//! Whatever does not conform is reported and left out of what comes back: the tables in the units and with the keys of
-//! the schema, from which the types of a scene are read.
+//! Whatever does not conform is reported and omitted from the result: the tables in the units and with the keys of the
+//! schema, from which the types of a scene are read.
 
 mod unknown;
 mod value;
@@ -22,7 +22,7 @@ pub fn conform(root: &DeTable<'_>, schema: &Value, diagnostics: &mut Diagnostics
     let mut walk = Walk { root: Rule(schema), diagnostics, missing: Vec::new(), missing_one: Vec::new() };
     let found = walk.table(root, Rule(schema), "");
     let Walk { mut missing, missing_one, diagnostics, .. } = walk;
-    // The first of several is the one that is asked for.
+    // The first of several is the requested one.
     let first = missing_one.into_iter().filter(|keys| !keys.iter().any(|(path, _)| diagnostics.is_meant(path)));
     missing.extend(first.filter_map(|keys| keys.into_iter().next()));
     for (path, rule) in missing {
@@ -67,7 +67,7 @@ struct Walk<'w, 'b, 'f> {
     diagnostics: &'b mut Diagnostics<'f>,
     /// Required keys that are not there.
     missing: Vec<(String, Rule<'w>)>,
-    /// Keys of which one is required and none is there.
+    /// Keys of which one is required but none is present.
     missing_one: Vec<Vec<(String, Rule<'w>)>>,
 }
 
@@ -93,7 +93,7 @@ impl<'w> Walk<'w, '_, '_> {
         Value::Object(conforming)
     }
 
-    /// Takes note of the keys that the table must have and has not.
+    /// Records the required keys that are missing.
     fn absent(&mut self, there: &[(&str, Range<usize>)], rule: Rule<'w>, path: &str) {
         let has = |key: &str| there.iter().any(|(own, _)| *own == key);
         let at = |key: &str| Some((join(path, key), rule.of(key)?));
@@ -104,7 +104,7 @@ impl<'w> Walk<'w, '_, '_> {
         }
     }
 
-    /// Reports a key that the table has not.
+    /// Reports an unknown key.
     fn unknown(&mut self, name: &str, place: Range<usize>, value: &Item<'_>, table: Rule<'w>, path: &str) {
         let guess = unknown::guess(name, value.get_ref().as_str(), path, self.root);
         self.diagnostics.push(unknown::diagnostic(name, path, table, &guess).at(place, guess.label(path)));
@@ -208,7 +208,7 @@ fn size(value: &DeValue<'_>) -> f64 {
     }
 }
 
-/// A value as it is written.
+/// A value as written.
 fn any(value: &DeValue<'_>) -> Value {
     match value {
         DeValue::String(text) => Value::from(text.as_ref()),

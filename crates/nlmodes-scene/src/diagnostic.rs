@@ -8,7 +8,7 @@ use std::ops::Range;
 pub enum Severity {
     /// It is refused.
     Error,
-    /// It is taken, but looks wrong.
+    /// It is accepted, but looks wrong.
     Warning,
 }
 
@@ -19,7 +19,7 @@ pub struct Diagnostic {
     pub severity: Severity,
     /// What is wrong, with the full path of the key.
     pub title: String,
-    /// Where, with what was found and what was expected; nowhere if the file could not be read at all.
+    /// Position, with the value found and the expected one; empty if the file could not be read.
     pub place: Option<Mark>,
     /// Other places that have to do with it.
     pub context: Vec<Mark>,
@@ -27,12 +27,12 @@ pub struct Diagnostic {
     pub help: Vec<String>,
 }
 
-/// A place in the texts of a scene, and what is said beside it.
+/// A position in the texts of a scene, and its label.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Mark {
     /// Range on the common axis of [`Sources`](crate::Sources).
     pub range: Range<usize>,
-    /// What is said beside it.
+    /// Its label.
     pub label: String,
 }
 
@@ -70,7 +70,7 @@ impl Diagnostic {
 }
 
 impl Diagnostic {
-    /// In one line without its place: what is wrong, what was found there, what to do.
+    /// In one line without position: the error, the value found, what to do.
     pub fn sentence(&self) -> String {
         let label = self.place.as_ref().map(|mark| mark.label.as_str()).filter(|label| !label.is_empty());
         let head = [Some(self.title.as_str()), label].into_iter().flatten().collect::<Vec<_>>().join(": ");

@@ -18,10 +18,10 @@ pub struct Document {
     spelled: BTreeMap<String, Spelling>,
 }
 
-/// Where a key and its value stand, on the common axis of the [`Sources`].
+/// Position of a key and its value, on the common axis of the [`Sources`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct KeyPlace {
-    /// The key, or what stands for it.
+    /// The key, or its alias.
     pub key: Range<usize>,
     /// The value; of a table, its heading.
     pub value: Range<usize>,
@@ -79,7 +79,7 @@ impl Document {
         self.spelling(path).map_or(written, |(spelling, _)| spelling.factor.apply(written))
     }
 
-    /// A number in the unit of the schema as it is to be written at a key.
+    /// A number in the unit of the schema, formatted for a key.
     pub fn in_written_unit(&self, path: &str, value: f64) -> f64 {
         self.spelling(path).map_or(value, |(spelling, _)| spelling.factor.undo(value))
     }
@@ -89,7 +89,7 @@ impl Document {
         &self.sources
     }
 
-    /// Where the key of the path stands, as `contact.0.gap_m`.
+    /// Position of the key of the path, for instance `contact.0.gap_m`.
     pub fn place(&self, path: &str) -> Option<&KeyPlace> {
         let spelled = || match self.spelling(path)? {
             (spelling, None) => self.places.get(&spelling.key),
@@ -123,7 +123,7 @@ impl Document {
         Some(1 + before.bytes().filter(|byte| *byte == b'\n').count())
     }
 
-    /// The value at a path as it is written.
+    /// The value at a path as written.
     pub fn written(&self, path: &str) -> String {
         self.place(path).map_or_else(String::new, |place| self.sources.excerpt(&place.value))
     }

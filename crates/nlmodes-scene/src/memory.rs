@@ -12,9 +12,9 @@ use crate::{AnyScene, SceneError, SceneFile};
 const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
 const UNITS: [(&str, f64); 7] =
     [("KiB", 1024.0), ("MiB", 1024.0 * 1024.0), ("GiB", GIB), ("kB", 1e3), ("MB", 1e6), ("GB", 1e9), ("B", 1.0)];
-/// Where the machine does not say what it has.
+/// Default if the memory of the machine is unknown.
 const UNKNOWN: f64 = 4.0 * GIB;
-// The figures below come to 1.2 to 1.6 times what was measured: rods of 590 and 20000 elements, a beam of 3000, 300
+// The estimates below are 1.2 to 1.6 times the measured values: rods of 590 and 20000 elements, a beam of 3000, 300
 // harmonics.
 
 /// Share of the machine's memory that a run may take.
@@ -34,15 +34,14 @@ const DENSE_COPIES: f64 = 6.0;
 const MODE_COPIES: f64 = 5.0;
 /// Copies of the Jacobian in problem and continuation.
 const JACOBIAN_COPIES: f64 = 10.0;
-/// Bytes of a point beside its coefficients.
+/// Bytes of a point in addition to its coefficients.
 const BYTES_OF_A_POINT: f64 = 500.0;
-/// Up to this size the linear modes are found densely, and all held modes are taken up to the second one.
+/// Up to this size the linear modes are computed densely; up to the second one all fixed-interface modes are used.
 const DENSE: [f64; 2] = [600.0, 400.0];
 
 /// Degrees of freedom of a reduced structure, where these are not known yet.
 const REDUCED_DOFS: f64 = 200.0;
-/// Bytes of an entry of a matrix in a text file beside its two indices, in a packed file, and of both matrices in
-/// memory.
+/// Bytes of a matrix entry in a text file without its two indices, in a packed file, and of both matrices in memory.
 const BYTES_OF_A_VALUE: f64 = 23.0;
 const BYTES_OF_A_PACKED_ENTRY: f64 = 8.0;
 const BYTES_OF_A_READ_ENTRY: f64 = 80.0;
@@ -65,7 +64,7 @@ impl Limit {
         Self(all.map_or(UNKNOWN, |bytes| SHARE * bytes))
     }
 
-    /// What each of so many runs at the same time may take.
+    /// Memory limit for each of this many simultaneous runs.
     #[must_use]
     pub fn shared_by(self, runs: usize) -> Self {
         Self(self.0 / runs.max(1) as f64)
@@ -163,7 +162,7 @@ pub(crate) fn of_files(files: &FeFiles) -> f64 {
     BYTES_OF_A_READ_ENTRY * entries + FACTOR * unknowns.powf(4.0 / 3.0)
 }
 
-/// Entries of a matrix in a text file of so many bytes: the larger the matrix, the more digits its indices have, on
+/// Number of matrix entries in a text file of this size: the larger the matrix, the more digits its indices have, on
 /// average a tenth of a digit less than the logarithm of the number of rows.
 fn entries_of_text(size: f64) -> f64 {
     let rows = (size / (BYTES_OF_A_VALUE + 10.0) / ENTRIES_OF_A_ROW).max(10.0);
@@ -181,7 +180,7 @@ pub struct Effort {
 }
 
 impl Effort {
-    /// Of a structure with so many degrees of freedom, contacts and open modes.
+    /// For a structure with this many degrees of freedom, contacts and free-interface modes.
     pub fn of_reduction(dofs: usize, contacts: usize, modes: usize) -> Self {
         let millions = dofs as f64 / 1e6;
         let factor = 13.6e9 * millions.powf(1.45);
@@ -202,14 +201,13 @@ impl Effort {
     }
 }
 
-/// What the branch of a scene with so many points as most branches have takes at most, bytes.
+/// Upper estimate for the branch of a scene with a typical number of points, bytes.
 pub fn estimate(file: &SceneFile) -> f64 {
     let needs = Needs::of(&file.scene);
     needs.fixed() + needs.point * file.scene.continuation.max_points.min(USUAL_POINTS) as f64
 }
 
-/// Refuses a scene that does not fit, with what is to be said; of the branches of a structure the number of points is
-/// lowered to what fits.
+/// Rejects a scene that does not fit, with a message; the number of points of branches is reduced to what fits.
 ///
 /// # Errors
 /// The message at its place in the scene.
@@ -221,7 +219,7 @@ pub fn admit_any(scene: &mut AnyScene, limit: Option<Limit>) -> Result<(), Scene
     }
 }
 
-/// Refuses scenes that do not fit, with what is to be said, and lowers the number of points to what fits.
+/// Rejects scenes that do not fit, with a message, and reduces the number of points to what fits.
 ///
 /// # Errors
 /// The message at its place in the scene.
@@ -270,7 +268,7 @@ fn too_large(file: &SceneFile, needs: Needs, least: f64, limit: Limit) -> SceneE
     file.error_at(path, &title, &label, &[&limit.help(least), less]).with_last_line("nothing was computed or written")
 }
 
-/// The same for a virtual test, of which the records of all levels are kept.
+/// The same for a virtual test, with the records of all levels.
 ///
 /// # Errors
 /// The message at its place in the scene.

@@ -8,8 +8,8 @@ use serde::de::DeserializeOwned;
 use crate::text::Text;
 use crate::{Diagnostic, Diagnostics, Document, Mark, SceneError, SceneFile, conform, file, schema};
 
-/// Reads a file of kind `what`, as `study`: its tables against the schema of `T`, then `check` makes of them what is
-/// wanted, or tells the diagnostics why not.
+/// Reads a file of kind `what`, as `study`: its tables against the schema of `T`, then `check` converts them, or
+/// reports errors to the diagnostics.
 ///
 /// # Errors
 /// [`SceneError`] with all that is wrong, each at its place.
@@ -28,7 +28,7 @@ pub fn load_other<T: DeserializeOwned + JsonSchema, S>(
     }
 }
 
-/// The same for a text; `name` stands in messages.
+/// The same for a text; `name` is used in messages.
 ///
 /// # Errors
 /// [`SceneError`] with all that is wrong, each at its place.

@@ -62,7 +62,7 @@ pub fn not_of_records(root: &DeTable<'_>) -> Option<Diagnostic> {
     Some(diagnostic.at(range, format!("`{key}` describes what is computed")))
 }
 
-/// The first of these keys in the text, and where it stands.
+/// The first of these keys in the text, and its position.
 fn first(root: &DeTable<'_>, names: &[&str]) -> Option<(String, std::ops::Range<usize>)> {
     let entries = root.iter().filter(|(key, _)| names.contains(&key.get_ref().as_ref()));
     let entry = entries.min_by_key(|(key, _)| key.span().start);

@@ -1,4 +1,4 @@
-//! A scene that is refused, by its checks or by what turns out behind them.
+//! A scene that is rejected, by its checks or later.
 
 use std::fmt;
 
@@ -37,23 +37,23 @@ impl SceneError {
         self
     }
 
-    /// The texts, and what is wrong with them.
+    /// The texts and their errors.
     pub(crate) fn into_parts(self) -> (Document, Vec<Diagnostic>) {
         (self.content.document, self.content.diagnostics)
     }
 
-    /// With a line behind it.
+    /// Followed by a line.
     pub(crate) fn with_last_line(mut self, line: &str) -> Self {
         self.content.last = Some(line.to_owned());
         self
     }
 
-    /// What is wrong, and what else looks wrong.
+    /// Errors and warnings.
     pub fn diagnostics(&self) -> &[Diagnostic] {
         &self.content.diagnostics
     }
 
-    /// What is wrong, without what only looks so.
+    /// Errors without warnings.
     pub fn errors(&self) -> impl Iterator<Item = &Diagnostic> {
         self.diagnostics().iter().filter(|diagnostic| diagnostic.severity == Severity::Error)
     }

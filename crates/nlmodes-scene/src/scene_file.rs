@@ -9,19 +9,19 @@ use crate::{Diagnostic, Document, RecordScene, Scene, SceneError, TestScene, dia
 pub struct SceneFile<S = Scene> {
     /// The checked scene.
     pub scene: S,
-    /// Where its keys stand.
+    /// Positions of its keys.
     pub document: Document,
-    /// What looks wrong, but does not stand in the way.
+    /// Warnings.
     pub warnings: Vec<Diagnostic>,
 }
 
 impl<S> SceneFile<S> {
-    /// A checked scene of which there is no text any more, as that of results; `name` stands for it in messages.
+    /// A checked scene without its text, such as that of results; `name` is used in messages.
     pub fn without_text(scene: S, name: &str) -> Self {
         Self { scene, document: Document::empty(name), warnings: Vec::new() }
     }
 
-    /// The error `title` at the value of the key at `path` (as `contact.0.gap_m`); `label` is said beside the value.
+    /// The error `title` at the value of the key at `path` (as `contact.0.gap_m`); `label` is printed beside the value.
     pub fn error_at(&self, path: &str, title: &str, label: &str, help: &[&str]) -> SceneError {
         let diagnostic = help.iter().fold(Diagnostic::error(title), |diagnostic, help| diagnostic.help(*help));
         SceneError::new(self.document.clone(), self.document.put(diagnostic, path, label))
@@ -44,7 +44,7 @@ impl<S> SceneFile<S> {
     }
 }
 
-/// All scenes of a file with several methods, or what is wrong with any of them.
+/// All scenes of a file with several methods, or the errors of any of them.
 pub(crate) fn or_all(read: Vec<Result<SceneFile, SceneError>>) -> Result<Vec<SceneFile>, SceneError> {
     if read.iter().all(Result::is_ok) {
         return Ok(read.into_iter().flatten().collect());
@@ -80,7 +80,7 @@ pub enum AnyScene {
 }
 
 impl AnyScene {
-    /// Where its keys stand.
+    /// Positions of its keys.
     pub fn document(&self) -> Option<&Document> {
         match self {
             Self::Structure(files) => files.first().map(|file| &file.document),
@@ -107,7 +107,7 @@ impl AnyScene {
         }
     }
 
-    /// What looks wrong, but does not stand in the way: each thing once.
+    /// Warnings, each once.
     pub fn warnings(&self) -> Vec<Diagnostic> {
         diagnostic::each_once(match self {
             Self::Structure(files) => files.iter().flat_map(|file| file.warnings.iter().cloned()).collect(),

@@ -9,10 +9,10 @@ use toml::de::{DeArray, DeTable, DeValue};
 use crate::units::is_same_quantity;
 use crate::{Diagnostic, Sources};
 
-/// What stands in front of the argument where it is shown.
+/// Prefix of the argument in messages.
 const LEAD: &str = "--set ";
 
-/// A part of a dotted path, and where it stands.
+/// A part of a dotted path, and its position.
 type Segment<'a> = (&'a str, Range<usize>);
 /// A key and its value.
 type Entry<'a> = (Spanned<Cow<'a, str>>, Item<'a>);

@@ -1,6 +1,6 @@
 //! The texts that a scene is read from: the file, and one text for each `--set` on the command line.
 //!
-//! They lie one behind the other on a common axis, so that a plain range says both which text is meant and where in it.
+//! They are concatenated on a common axis, so that a range identifies both the text and the position in it.
 
 use std::ops::Range;
 
@@ -39,7 +39,7 @@ impl Sources {
         &self.file
     }
 
-    /// Adds the text of a command-line argument and says where on the common axis it begins.
+    /// Adds the text of a command-line argument and returns its start on the common axis.
     pub fn add_argument(&mut self, text: String) -> usize {
         let last = self.arguments.last().unwrap_or(&self.file);
         let start = last.start + last.text.len() + 1;

@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::Diagnostic;
 use crate::units::converted;
 
-/// Most syntax errors that are shown: one slip often makes the rest of the text look wrong too.
+/// Maximum number of syntax errors shown: one slip often makes the rest of the text look wrong too.
 const MOST: usize = 3;
 
 /// The first syntax errors, at most one a line.
@@ -128,7 +128,7 @@ fn one_bracket(text: &str, at: usize) -> Option<Diagnostic> {
     )
 }
 
-/// The key of the line, and the text behind it that stands without quotes.
+/// The key of the line, and the unquoted text after it.
 fn bare_word(text: &str, at: usize) -> Option<(&str, &str)> {
     let start = text.get(..at)?.rfind('\n').map_or(0, |end| end + 1);
     let (key, value) = text.get(start..)?.lines().next()?.split('#').next()?.split_once('=')?;
@@ -136,7 +136,7 @@ fn bare_word(text: &str, at: usize) -> Option<(&str, &str)> {
     (!key.is_empty() && !value.is_empty() && !value.contains(['"', '\\', '[', '{', ','])).then_some((key, value))
 }
 
-/// The key of the line, and what to write for its value, where that is a number with a unit behind it.
+/// The key of the line, and a suggestion for its value, if that is a number followed by a unit.
 fn number_with_unit(text: &str, at: usize) -> Option<(&str, String)> {
     let start = text.get(..at)?.rfind('\n').map_or(0, |end| end + 1);
     let line = text.get(start..)?.lines().next()?;

@@ -12,7 +12,7 @@ pub struct Text<'a> {
     pub name: &'a str,
     /// As it is written.
     pub text: &'a str,
-    /// As TOML, as far as it is that.
+    /// As TOML, as far as valid.
     pub root: Spanned<DeTable<'a>>,
     /// Where it is not.
     pub errors: Vec<Error>,

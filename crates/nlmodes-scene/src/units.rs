@@ -1,5 +1,5 @@
-//! Units as people have them: a key that ends in a unit may end in another one of the same kind, and a number in quotes
-//! may have its unit behind it.
+//! Unit conversion: a key that ends with a unit may have another one of the same kind, and a quoted number may be
+//! followed by its unit.
 
 /// How a number in one unit becomes one in another.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -121,7 +121,7 @@ pub struct Spelling {
     pub key: String,
     /// The unit as people write it.
     pub unit: &'static str,
-    /// From a number of the spelling to one of the key that it stands for.
+    /// Conversion of a number from the unit of an alias to that of the key.
     pub factor: Factor,
 }
 
@@ -148,7 +148,7 @@ pub fn spellings(key: &str) -> Vec<Spelling> {
         .collect()
 }
 
-/// The kinds to which the end of a key may belong: what stands before it, the kind, the unit.
+/// The kinds of units at the end of a key: the part before it, the kind, the unit.
 fn ends(key: &str) -> impl Iterator<Item = (&str, &'static [Unit], &'static Unit)> {
     KINDS.iter().flat_map(move |kind| {
         let of = move |unit: &'static Unit| {

@@ -14,7 +14,7 @@ pub fn contact(of: &scene::Contact, dofs: &[Dof], first_nodes: &[usize]) -> Resu
         Direction::Axial => DofKind::Axial,
         Direction::Transverse => DofKind::Deflection,
     };
-    // The gap closes as the node moves toward what it touches, and opens as that moves away.
+    // The gap closes as the node moves toward the obstacle, and opens as the obstacle recedes.
     let toward = side(of.side).sign();
     let at = |structure: usize, node: usize| {
         let node = first_nodes.get(structure)? + node;

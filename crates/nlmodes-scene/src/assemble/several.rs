@@ -7,8 +7,7 @@ use super::contact::contact;
 use super::{Elements, StructureError, imposed};
 use crate::scene;
 
-/// The structures side by side, the nodes of each numbered behind those of the one before; each keeps the positions
-/// along its own axis.
+/// The structures combined, with nodes numbered consecutively; each keeps the positions along its own axis.
 pub fn model(structures: &[scene::Structure], contacts: &[scene::Contact]) -> Result<StructuralModel, StructureError> {
     let (mut mass, mut stiffness): (Vec<Triplet>, Vec<Triplet>) = (Vec::new(), Vec::new());
     let (mut dofs, mut first_nodes, mut nodes) = (Vec::<Dof>::new(), Vec::new(), 0);

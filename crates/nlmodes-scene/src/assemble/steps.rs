@@ -31,7 +31,7 @@ pub fn material_and_section(material: Material, section: scene::Section) -> Resu
     Ok((material.with_poissons_ratio(poissons_ratio)?, section))
 }
 
-/// The beam with what it has at a position, on which the shape of an element depends.
+/// The beam with its local properties at a position, on which the shape of an element depends.
 pub fn beam_there(beam: &Beam, steps: &[Step<Section>], position: f64) -> Beam {
     let nodes = beam.mesh.nodes();
     let step = steps.iter().find(|step| nodes.get(step.to_node).is_some_and(|end| position < *end));

@@ -6,10 +6,10 @@ use std::f64::consts::{PI, TAU};
 use crate::scene::holds;
 use crate::scene::{Direction, Section, Structure, StructureKind, Support};
 
-/// Roots `βL` of a family are taken up to this number; more modes are not asked for by hand.
+/// Roots `βL` of a family are computed up to this number, more than anyone requests by hand.
 const MOST: usize = 200;
 
-/// The frequency of mode `number`, Hz, 0 for a rigid-body motion; `None` where the closed form says nothing.
+/// The frequency of mode `number`, Hz, 0 for a rigid-body motion; `None` if there is no closed form.
 pub fn estimate(structure: &Structure, number: usize) -> Option<f64> {
     if !structure.is_uniform() {
         return None;
@@ -26,7 +26,7 @@ pub fn estimate(structure: &Structure, number: usize) -> Option<f64> {
     all.get(number.checked_sub(1)?).copied().filter(|hz| number <= MOST && hz.is_finite())
 }
 
-/// `f = n c/2L` between equal ends, `(2n − 1) c/4L` between a held and a free one.
+/// `f = n c/2L` between equal ends, `(2n − 1) c/4L` between a fixed and a free one.
 fn axial(kind: StructureKind, supports: [Support; 2], speed_over_length: f64) -> Vec<f64> {
     let held = supports.map(|support| holds(kind, support, Direction::Axial));
     let root = |n: usize| match held {

@@ -1,4 +1,4 @@
-//! Values that are possible, but look like slips: of units mostly.
+//! Values that are possible but look like mistakes, mostly of units.
 
 mod masses;
 mod material;
@@ -18,7 +18,7 @@ use crate::{Diagnostic, Diagnostics};
 /// Structures that are longer are rare, m.
 const LONG: f64 = 100.0;
 
-/// What is to be said of stops and damping of any structure.
+/// Warnings about stops and damping of any structure.
 pub fn stops(scene: &Scene, diagnostics: &mut Diagnostics<'_>) {
     let files = scene.structure.matrices().map(|files| files.contacts.as_slice()).unwrap_or_default();
     let given = files.iter().map(|contact| match contact.gap {
@@ -68,7 +68,7 @@ pub fn structure(structure: &Structure, diagnostics: &mut Diagnostics<'_>) {
     length(structure.length, diagnostics);
 }
 
-/// Whether the scene is written in units of its own, as `EA = ρA = 1`: then nothing can be said about sizes.
+/// Whether the scene is dimensionless, as `EA = ρA = 1`: then magnitudes cannot be checked.
 fn is_dimensionless(structure: &Structure) -> bool {
     (structure.youngs_modulus, structure.density) == (1.0, 1.0)
 }

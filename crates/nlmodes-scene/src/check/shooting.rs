@@ -54,7 +54,7 @@ pub fn check_gaps(contacts: &[Contact], diagnostics: &mut Diagnostics<'_>) {
 /// Modes up to which a branch by shooting takes seconds.
 const MODES_OF_SECONDS: usize = 40;
 
-/// Evaluations a point that branches of structures with so many modes take: most go into the search for other branches
+/// Evaluations per point of a branch of a structure with this many modes: most are for the search for other branches
 /// where contacts change.
 const EVALUATIONS: f64 = 250.0;
 
@@ -73,8 +73,8 @@ fn warn_of_size(found: usize, at: &str, diagnostics: &mut Diagnostics<'_>) {
     diagnostics.put(at, diagnostic, "expected `held_modes` in this table, 5 to 40");
 }
 
-/// Refuses more held modes than shooting is sensible for; those of a beam that leave its stops at rest are known only
-/// when they are computed.
+/// Rejects too many fixed-interface modes for shooting; those of a beam that are not coupled to its stops are known
+/// only after computation.
 pub fn check_size(modes: Option<usize>, diagnostics: &mut Diagnostics<'_>) {
     let path = "method.held_modes";
     let Some(found) = modes.filter(|modes| *modes > MODES_OF_SECONDS) else { return };

@@ -17,7 +17,7 @@ pub enum Guess {
     Nothing,
 }
 
-/// What people look for and the program does not compute, by the words that stand in its keys and values.
+/// Features that the program does not have, by the words used for them in keys and values.
 const ABSENT: [(&str, &[&str]); 6] = [
     ("friction", &["friction", "coulomb", "mu", "stick", "slip"]),
     ("gravity", &["gravity", "gravitation", "weight"]),
@@ -27,14 +27,14 @@ const ABSENT: [(&str, &[&str]); 6] = [
     ("a nonlinear material", &["plastic", "plasticity", "hyperelastic", "yield"]),
 ];
 
-/// What is meant by a key or a word that the program has not.
+/// The probable meaning of an unknown key or word.
 pub fn absent(text: &str) -> Option<&'static str> {
     let text = text.to_lowercase();
     let parts = || text.split(['_', '-', ' ']);
     ABSENT.iter().find(|(_, words)| parts().any(|part| words.contains(&part))).map(|(name, _)| *name)
 }
 
-/// Adds where it stands what else is not in the program.
+/// Adds a note about a feature that the program does not have.
 pub fn with_absent(diagnostic: Diagnostic, what: &str) -> Diagnostic {
     diagnostic.help(format!("{what} is not in this program; see \"What it does not do\" in README.md"))
 }
@@ -83,7 +83,7 @@ fn without_numbers(path: &str) -> String {
 }
 
 impl Guess {
-    /// What is said beside the key.
+    /// The label of the key.
     pub fn label(&self, path: &str) -> String {
         match self {
             Self::Key(key) => format!("did you mean `{key}`?"),
@@ -93,7 +93,7 @@ impl Guess {
         }
     }
 
-    /// The path that was probably meant, if it is of the table at `path` or of one that stands once in a scene.
+    /// The probably intended path, if it is in the table at `path` or in one that occurs once in a scene.
     pub fn path(&self, path: &str) -> Option<String> {
         match self {
             Self::Key(key) => Some(join(path, key)),
@@ -121,7 +121,7 @@ pub fn diagnostic(key: &str, path: &str, table: Rule<'_>, guess: &Guess) -> Diag
     }
 }
 
-/// Tables that may stand several times.
+/// Tables that may occur several times.
 const LISTS: [&str; 9] = [
     "contact",
     "channel",
@@ -134,7 +134,7 @@ const LISTS: [&str; 9] = [
     "structure.segment",
 ];
 
-/// The heading of a table as it is written: `[structure.material]`, `[[contact]]`.
+/// The heading of a table as written: `[structure.material]`, `[[contact]]`.
 pub fn heading(path: &str) -> String {
     let name = without_numbers(path);
     if LISTS.contains(&name.as_str()) { format!("[[{name}]]") } else { format!("[{name}]") }

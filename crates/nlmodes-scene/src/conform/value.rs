@@ -23,7 +23,7 @@ pub fn out_of_range(path: &str, x: f64, rule: Rule<'_>) -> Diagnostic {
     diagnostic
 }
 
-/// A key that stands in the table already, in another unit.
+/// A key that already occurs in the table, in another unit.
 pub fn twice(path: &str, place: Range<usize>, first: Range<usize>) -> Diagnostic {
     let diagnostic = Diagnostic::error(format!("`{path}` is given twice, in two units"));
     diagnostic.at(place, "expected one of the two").with(first, "the first one")
@@ -202,7 +202,7 @@ pub fn missing(path: &str, rule: Rule<'_>) -> Diagnostic {
     }
 }
 
-/// What is said beside the heading of the table where the key is missing.
+/// The label of the heading of the table where the key is missing.
 pub fn missing_label(path: &str, rule: Rule<'_>) -> String {
     match rule.kind() {
         Kind::Table => format!("expected a table {} that belongs to this one", heading(path)),

@@ -6,7 +6,7 @@ use super::{Subject, short};
 use crate::assemble::OpenStructure;
 use crate::scene::Scene;
 
-/// Largest displacement, over the size of the structure, and over the gap that closes, up to which nothing is said.
+/// Largest displacement, relative to the size of the structure and to the closing gap, without warning.
 const LARGE: (f64, f64) = (0.02, 5.0);
 
 /// A mode that hardly moves the contacts: where one of them touches, displacements elsewhere are not small any more.

@@ -3,7 +3,7 @@ use nlmodes_io::{FeFiles, FeModel, Format};
 use super::Subject;
 use crate::scene::Scene;
 
-/// A base that shakes a structure of which it is not known which rows it moves.
+/// Base motion of a structure whose affected rows are unknown.
 pub fn doubt(scene: &Scene, subject: &Subject<'_>) -> Option<String> {
     let silent = unplaced_unknowns(&subject.matrices.files, subject.model).filter(|_| scene.base_motion.is_some())?;
     Some(format!(
@@ -13,8 +13,8 @@ pub fn doubt(scene: &Scene, subject: &Subject<'_>) -> Option<String> {
     ))
 }
 
-/// Number of nodes of CalculiX's files that may be unknowns within elements, where no place tells; none where there are
-/// no such nodes.
+/// Number of nodes of CalculiX's files that may be unknowns within elements, if positions do not decide; `None` without
+/// such nodes.
 pub fn unplaced_unknowns(files: &FeFiles, model: &FeModel) -> Option<usize> {
     let format = files.format.or_else(|| Format::of(&files.stiffness).ok());
     let silent =

@@ -25,7 +25,7 @@ pub fn doubts(subject: &Subject<'_>) -> Vec<String> {
     subject.choices().flat_map(of).collect()
 }
 
-/// The key that says the gap.
+/// The key of the gap.
 fn key(origin: usize, choice: &ContactChoice) -> String {
     match (choice.gap, &choice.partner) {
         (Some(GapChoice::WallPoint(_)), _) => format!("`contact.{origin}.wall_point_m`"),
@@ -49,7 +49,7 @@ fn beyond(origin: usize, choice: &ContactChoice, contacts: &[&NodeContact], exte
     })
 }
 
-/// A wall, or a partner in the mesh, behind the nodes; of `gap_m` that is said where the scene is read.
+/// A wall, or a partner in the mesh, behind the nodes; for `gap_m` this is reported when the scene is read.
 fn pressed(origin: usize, choice: &ContactChoice, contacts: &[&NodeContact]) -> Option<String> {
     if matches!(choice.gap, Some(GapChoice::Same(_))) {
         return None;

@@ -21,7 +21,7 @@ pub fn doubts(subject: &Subject<'_>) -> Option<String> {
     })
 }
 
-/// Nodes of the matrices that are not in the mesh, but for unknowns within elements.
+/// Nodes of the matrices that are not in the mesh, except unknowns within elements.
 fn unknown(subject: &Subject<'_>, mesh: &Mesh) -> Option<String> {
     let nodes = subject.model.nodes();
     let unknown: Vec<u64> = nodes.iter().filter(|node| mesh.index_of(**node).is_none()).copied().collect();

@@ -2,11 +2,11 @@ use nlmodes_io::{ContactChoice, Mesh, NodeContact, NormalChoice, Partner};
 
 use super::{Subject, of_all, vector};
 
-/// A normal points into the body where its product with the outward one is below this: edges and corners have the mean
-/// normal of their faces, which a sound direction may be perpendicular to.
+/// A normal points into the body if its product with the outward one is below this: edges and vertices have the mean
+/// normal of their faces, to which a valid direction may be perpendicular.
 const INWARD: f64 = -0.5;
 
-/// Walls that stand within the structure.
+/// Walls within the structure.
 pub fn doubts(subject: &Subject<'_>) -> Vec<String> {
     let Some(mesh) = &subject.model.mesh else { return Vec::new() };
     let before_walls = |choice: &ContactChoice| {

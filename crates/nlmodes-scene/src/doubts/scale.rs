@@ -2,9 +2,9 @@ use nlmodes_io::{Component, Mesh, UnitSystem};
 
 use super::{Subject, short};
 
-/// Mean densities that structures have, kg/m³: from foam to metals with what is fixed to them.
+/// Plausible mean densities of structures, kg/m³: from foam to metals with attachments.
 const DENSITIES: std::ops::RangeInclusive<f64> = 50.0..=3e4;
-/// Densities of solid materials, kg/m³: what units would have to come out as to be suggested.
+/// Densities of solid materials, kg/m³: the range in which units are suggested.
 const MATERIALS: std::ops::RangeInclusive<f64> = 5e2..=2.5e4;
 /// Units in which models are written, those that are met more often first.
 const USUAL: [&str; 6] = ["m-kg-s", "mm-t-s", "mm-kg-ms", "mm-g-ms", "in-slinch-s", "ft-slug-s"];

@@ -4,7 +4,7 @@ use super::{Row, row};
 use crate::number;
 use crate::scene::RecordScene;
 
-/// Records, channels, modes and what is extracted.
+/// Records, channels, modes and extracted quantities.
 pub fn rows(scene: &RecordScene) -> Vec<Row> {
     let settings = &scene.settings;
     let channels: Vec<&str> = scene.recording.channels.iter().map(|channel| channel.name.as_str()).collect();

@@ -4,7 +4,7 @@ use super::{Row, law, list, row};
 use crate::number;
 use crate::scene::{TestScene, TestStop};
 
-/// Structure, rig, levels and what is kept.
+/// Structure, rig, levels and records written.
 pub fn rows(scene: &TestScene) -> Vec<Row> {
     let modes = match scene.given_frequencies() {
         Some(frequencies) => {

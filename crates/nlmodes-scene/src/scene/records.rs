@@ -5,7 +5,7 @@ use nlmodes::experiment::records::Recording;
 
 use super::{Overlay, Structure};
 
-/// Records of a test, and what is to be extracted from them: plain values in SI units, every default filled in.
+/// Records of a test and the extraction settings: plain values in SI units, with all defaults.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordScene {
     /// Title of tables and figures.
@@ -20,10 +20,10 @@ pub struct RecordScene {
     pub structure: Option<Structure>,
     /// What is to be extracted.
     pub settings: ExtractionSettings,
-    /// Results that figures and page show beside the records.
+    /// Results overlaid on the records in figures and page.
     pub overlays: Vec<Overlay>,
     /// Directory of the result files.
     pub output_directory: PathBuf,
-    /// What looks wrong with the scene, in words.
+    /// Warnings about the scene, as text.
     pub warnings: Vec<String>,
 }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Direction, ResponseKind, StopOfBase, is_first};
 
-/// Where a load acts, or a motion is looked at.
+/// Position of a load or of an observed motion.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "place")]
 pub enum Place {
@@ -41,7 +41,7 @@ pub struct Damping {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ModeDamping {
-    /// Damping ratios by mode; the last one goes on.
+    /// Damping ratios by mode; the last one is repeated.
     Ratios(Vec<f64>),
     /// `C = mass M + stiffness K`.
     Rayleigh {
@@ -91,7 +91,7 @@ pub enum BaseDirection {
 pub struct BaseMotion {
     /// Direction.
     pub direction: BaseDirection,
-    /// Amplitude, m/s² or m; zero where only the levels of the responses say it.
+    /// Amplitude, m/s² or m; zero if given only by the levels of the responses.
     pub amplitude: f64,
     /// Whether levels are those of the acceleration, and not of the displacement.
     pub is_acceleration: bool,
@@ -104,13 +104,13 @@ pub struct BaseMotion {
 pub struct Response {
     /// What is followed.
     pub kind: ResponseKind,
-    /// One frequency or a window, Hz; empty where the scene does not say.
+    /// One frequency or a window, Hz; empty if not given.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub frequency_hz: Vec<f64>,
     /// Levels in the unit of the load; empty for modes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub levels: Vec<f64>,
-    /// The drive point, where the scene says it.
+    /// The drive point, if given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drive: Option<Place>,
     /// Lag at phase resonance, degrees.

@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 use crate::units::{Spelling, spellings};
 
-/// What any of these schemas admits: tables are joined key by key, and say what each kind demands.
+/// The union of these schemas: tables are joined key by key, with the requirements of each kind.
 pub fn joined(kinds: &[&Value]) -> Value {
     let mut rest: Vec<&Value> = Vec::new();
     for kind in kinds {
@@ -110,7 +110,7 @@ fn demand(table: &Value) -> Value {
     Value::Object(said.collect())
 }
 
-/// What all of them say in the same words.
+/// The common part.
 fn common(rules: &[&Value]) -> Map<String, Value> {
     let Some((Value::Object(first), rest)) = rules.split_first() else { return Map::new() };
     let same = |key: &str, value: &Value| rest.iter().all(|rule| rule.get(key) == Some(value));
@@ -137,7 +137,7 @@ fn translate(value: &mut Value) {
     }
 }
 
-/// Keys of which one must be there: those of `oneRequired`, and each of `required` in any of its units.
+/// Keys of which one is required: those of `oneRequired`, and each of `required` in any of its units.
 fn demands(object: &mut Map<String, Value>) {
     if let Some(Value::Array(keys)) = object.remove("oneRequired") {
         let each: Vec<String> = keys.iter().filter_map(Value::as_str).flat_map(in_all_units).collect();
@@ -151,7 +151,7 @@ fn demands(object: &mut Map<String, Value>) {
     }
 }
 
-/// The key, and what it is called in other units.
+/// The key, and its names in other units.
 fn in_all_units(key: &str) -> Vec<String> {
     std::iter::once(key.to_owned()).chain(spellings(key).into_iter().map(|spelling| spelling.key)).collect()
 }
@@ -166,7 +166,7 @@ fn all_of(object: &mut Map<String, Value>, demand: Value) {
     }
 }
 
-/// The keys of a table in other units, of which only one may be there.
+/// The keys of a table in other units, at most one of which may be given.
 fn other_units(object: &mut Map<String, Value>) {
     let Some(Value::Object(keys)) = object.get_mut("properties") else { return };
     let numeric = keys.iter().filter(|(_, rule)| is_numeric(rule));
@@ -196,7 +196,7 @@ fn is_numeric(rule: &Value) -> bool {
     of_type(rule) || rule.get("items").is_some_and(of_type)
 }
 
-/// The limits of numbers in another unit; a default stands at the key itself.
+/// The limits of numbers in another unit; a default is given at the key itself.
 fn in_unit(rule: &mut Value, other: &Spelling) {
     let Some(object) = rule.as_object_mut() else { return };
     object.remove("default");

@@ -1,4 +1,4 @@
-//! Scenes of structures from files: what is wrong with these at its key, normals of surfaces.
+//! Scenes of structures from files: errors at their keys, normals of surfaces.
 
 use std::error::Error;
 use std::fmt::Write as _;
@@ -10,7 +10,7 @@ use nlmodes_scene::parse;
 
 type Outcome<T = ()> = Result<T, Box<dyn Error>>;
 
-/// A folder that is taken away again.
+/// A temporary folder.
 struct Folder(PathBuf);
 
 impl Drop for Folder {
@@ -19,7 +19,7 @@ impl Drop for Folder {
     }
 }
 
-/// A unit brick of which each displacement of nodes 2, 3, 6 and 7, its face x = 1, is a mass on a spring of its own.
+/// A unit brick in which each displacement of nodes 2, 3, 6 and 7, on its face x = 1, has its own mass and spring.
 fn brick(name: &str) -> Outcome<Folder> {
     let folder = Folder(std::env::temp_dir().join(format!("nlmodes-scene-{name}-{}", std::process::id())));
     fs::create_dir_all(&folder.0)?;
@@ -45,7 +45,7 @@ fn brick(name: &str) -> Outcome<Folder> {
 
 const CONTACT: &str = "[[contact]]\nnodes = \"END\"\nnormal = \"surface\"\ngap_m = 1e-3\n";
 
-/// The structure of the scene, or what is said: the key, and the text.
+/// The structure of the scene, or the error: the key, and the text.
 fn open(folder: &Path, contact: &str, more: &str) -> Outcome<Result<OpenStructure, (String, String)>> {
     let text = format!(
         "[structure]\nkind = \"matrices\"\nstiffness = \"k.mtx\"\nmass = \"m.mtx\"\ndofs = \"dofs.csv\"\nmesh = \"brick.inp\"\n\
@@ -63,7 +63,7 @@ fn the_normal_of_a_face_is_its_own_up_to_its_edges() -> Outcome {
     let (_, contacts) = found.files.ok_or("no files")?;
     assert_eq!(contacts.iter().map(|contact| contact.node).collect::<Vec<_>>(), [2, 3, 6, 7]);
     assert!(contacts.iter().all(|contact| contact.normal == [1.0, 0.0, 0.0]), "{contacts:?}");
-    // A single corner has the mean of its three faces.
+    // A single vertex has the mean of its three faces.
     let corner = CONTACT.replace("\"END\"", "[7]");
     let found = open(&folder.0, &corner, "[reduction]\nmodes = 6\n")?.map_err(|(_, text)| text)?;
     let normal = found.files.ok_or("no files")?.1[0].normal;

@@ -1,4 +1,4 @@
-//! No text and no argument makes the reader panic, and what it refuses it can always show.
+//! No text or argument makes the reader panic, and every error can be displayed.
 
 use nlmodes_scene as config;
 use proptest::prelude::*;

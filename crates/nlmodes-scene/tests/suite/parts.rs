@@ -163,7 +163,7 @@ fn several_structures_stand_side_by_side() -> Outcome {
     let one = Elements::new(&two[0])?.assemble(&[])?;
     let open = nlmodes_scene::assemble::OpenStructure::of(&found, &Structures::default())?;
     assert_eq!(open.dofs.len(), 2 * one.dofs().len());
-    // The gap closes with the end of the first and opens with the start of the second, whose nodes are numbered behind.
+    // The gap closes with the end of the first and opens with the start of the second, whose nodes are numbered after.
     let w = open.modes.directions();
     let entry = |node: usize| {
         let row = open.dofs.iter().position(|dof| dof.node == node && dof.kind == DofKind::Axial);

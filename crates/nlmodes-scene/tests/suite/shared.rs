@@ -1,4 +1,4 @@
-//! Structures from files that several scenes share: what comes out is what each gets alone.
+//! Structures from files that several scenes share: the results are the same as for each alone.
 
 use std::fs;
 use std::path::Path;

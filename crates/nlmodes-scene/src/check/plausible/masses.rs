@@ -3,7 +3,7 @@ use crate::rule::number;
 use crate::scene::{Section, Structure};
 use crate::{Diagnostic, Diagnostics};
 
-/// Point masses and added masses beyond so many times that of the structure look like a slip of the unit.
+/// Point masses and added masses above this multiple of the structure's mass look like a mistake of the unit.
 const HEAVY: f64 = 100.0;
 
 /// Warns of masses that no such structure carries.

@@ -24,7 +24,7 @@ pub fn warn(scene: &TestScene, diagnostics: &mut Diagnostics<'_>) {
     levels(scene, diagnostics);
 }
 
-/// Damping ratios that look like per cent; `path` is of the list, or of a single one.
+/// Damping ratios that look like per cent; `path` is that of the list, or of a single value.
 pub fn damping(path: &str, ratios: &[f64], diagnostics: &mut Diagnostics<'_>) {
     let Some((i, ratio)) = ratios.iter().enumerate().find(|(_, ratio)| **ratio >= DAMPED) else { return };
     let diagnostic = Diagnostic::warning(format!("`{path}` has {} % of critical damping", number(100.0 * ratio)));

@@ -2,7 +2,7 @@
 
 use nlmodes_io::NodeContact;
 
-/// Characters of a line, beside its last range.
+/// Characters of a line, without its last range.
 const WIDTH: usize = 90;
 
 /// All stops in ranges, some to a line: `stops 0–11: nodes 33–44 before 133–144; 12: node 7`.
