@@ -13,7 +13,7 @@ pub struct Address {
 }
 
 impl Address {
-    /// Takes an address apart at its last `#`; a file whose own name has one is taken as it is.
+    /// Takes an address apart at its last `#`; a file whose own name contains one is used as it is.
     ///
     /// ```
     /// use nlmodes_io::Address;

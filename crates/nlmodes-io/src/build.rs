@@ -55,7 +55,7 @@ pub(crate) enum Pass<M> {
     Faulty(Fault),
 }
 
-/// Reads a text file; if entries of it do not fit together, reads it again to say the line of the first that does not.
+/// Reads a text file; if its entries are inconsistent, reads it again to find the line of the first inconsistent one.
 pub(crate) fn with_lines_of_faults<M>(
     read: impl Fn(Option<Fault>) -> Result<Pass<M>>,
     unnamed: impl Fn(Fault) -> crate::ReadError,

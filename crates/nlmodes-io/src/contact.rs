@@ -24,27 +24,27 @@ pub struct NodeContact {
     pub node: u64,
     /// The node that it touches; none for a wall.
     pub against: Option<u64>,
-    /// Unit vector from the node to what it touches.
+    /// Unit vector from the node to its obstacle.
     pub normal: [f64; 3],
     /// Clearance at rest `g₀`, m; negative where it presses.
     pub gap: f64,
     /// Contact stiffness, N/m; none of a rigid contact.
     pub stiffness: Option<f64>,
-    /// Damper beside that stiffness, N s/m; none of a contact that does not dissipate.
+    /// Damper parallel to the stiffness, N s/m; none without dissipation.
     pub damping: Option<f64>,
     /// The choice that it comes from, from 0.
     pub origin: usize,
 }
 
 impl NodeContact {
-    /// How far the node is from the one that it touches, along the normal, by the places of the model, m; negative
-    /// where that one lies behind. None before a wall, and where a place is not known.
+    /// Distance of the node from its partner along the normal, from the positions of the model, m; negative if the
+    /// partner is behind. None for a wall, or if a position is unknown.
     pub fn distance_in(&self, model: &FeModel) -> Option<f64> {
         let (from, to) = (model.place_of(self.node)?, model.place_of(self.against?)?);
         Some((0..3).map(|axis| (to[axis] - from[axis]) * self.normal[axis]).sum())
     }
 
-    /// Entries of column `k` of `W`. Displacements that are held have no row.
+    /// Entries of column `k` of `W`. Fixed displacements have no row.
     fn column(&self, model: &FeModel, k: usize) -> Vec<Triplet> {
         let at = |node: u64, sign: f64| {
             let rows = model.translations_of(node).into_iter().zip(self.normal);

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-/// A file that cannot be read as what it should be: which one, where in it, and why.
+/// A file that cannot be read as required: which one, where, and why.
 #[derive(Debug, Error)]
 #[error("{}{place}: {problem}", path.display())]
 pub struct ReadError {
@@ -65,15 +65,15 @@ pub enum Problem {
     /// It cannot be opened or read on.
     #[error("cannot be read: {0}")]
     Io(#[from] io::Error),
-    /// It is not there, and a program has to be asked for it.
+    /// It does not exist, and has to be requested from the program.
     #[error("cannot be read: {error}; {writer}")]
     NotWritten {
-        /// What the system says.
+        /// Message of the system.
         error: io::Error,
         /// Which program writes such files, and when.
         writer: &'static str,
     },
-    /// Something else stands where something was expected.
+    /// Unexpected contents.
     #[error("found {found}; expected {expected}")]
     Expected {
         /// What belongs there.
@@ -92,7 +92,7 @@ pub enum Problem {
     NotFinite {
         /// The quantity.
         what: &'static str,
-        /// As it stands in the file.
+        /// As in the file.
         found: String,
     },
     /// One entry of a matrix is given twice.
@@ -134,12 +134,12 @@ pub enum Problem {
     TooLarge {
         /// The quantity.
         what: &'static str,
-        /// What the file says.
+        /// Value in the file.
         found: u64,
         /// Most that is read.
         limit: u64,
     },
-    /// A matrix, set or node that is asked for is not there.
+    /// A requested matrix, set or node does not exist.
     #[error("there is no {what} `{name}`; expected one of {}", list(known))]
     Missing {
         /// The kind of thing.
@@ -149,7 +149,7 @@ pub enum Problem {
         /// The names that are there.
         known: Vec<String>,
     },
-    /// Which of several things is meant is not said.
+    /// An ambiguous reference.
     #[error("found several {what}: {}; expected the name of one behind the file's, as in `{example}`", list(known))]
     Ambiguous {
         /// The kind of things.
@@ -166,7 +166,7 @@ pub enum Problem {
     Diagonal {
         /// The degree of freedom.
         dof: String,
-        /// What stands on the diagonal.
+        /// The diagonal entry.
         value: f64,
     },
     /// Well-formed, but not what can be computed with.

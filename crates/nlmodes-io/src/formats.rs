@@ -123,7 +123,7 @@ pub struct UnknownFormat {
     pub name: String,
 }
 
-/// What a file says about one symmetric matrix.
+/// Contents of a file for one symmetric matrix.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct MatrixData {
     /// Lower triangle.
@@ -132,20 +132,20 @@ pub struct MatrixData {
     pub labels: Option<Vec<DofLabel>>,
     /// Degrees of freedom left out since the file holds them by 1e30 and more on the diagonal (Abaqus).
     pub fixed: Vec<DofLabel>,
-    /// Places of nodes that the file has beside its matrices, in its unit of length (GRID in a punch of Nastran).
+    /// Positions of nodes given in the file in addition to its matrices, in its unit of length (GRID in a punch of
+    /// Nastran).
     pub positions: HashMap<u64, [f64; 3]>,
-    /// Axes along which displacements of nodes are where these are not the global ones; none where the file does not
-    /// say them.
+    /// Axes of nodal displacements if not the global ones; none if not given in the file.
     pub directions: HashMap<u64, Option<[[f64; 3]; 3]>>,
 }
 
-/// Reads a symmetric matrix as it stands in the file, in the file's units.
+/// Reads a symmetric matrix unchanged, in the file's units.
 ///
-/// `order` is the number of rows where it is known, so that a wrong header or row is refused where it stands. Without
-/// it a matrix of n rows must have at least n entries.
+/// `order` is the number of rows, if known, so that a wrong header or row is rejected at its position. Without it a
+/// matrix of n rows must have at least n entries.
 ///
 /// # Errors
-/// [`ReadError`] with the place and what was expected there.
+/// [`ReadError`] with the position and the expected contents.
 pub fn read_matrix(address: &Address, format: Format, order: Option<usize>) -> Result<MatrixData> {
     let path = &address.path;
     let plain = |lower| MatrixData { lower, ..MatrixData::default() };
@@ -164,7 +164,7 @@ pub fn read_matrix(address: &Address, format: Format, order: Option<usize>) -> R
     }
 }
 
-/// No name may stand behind the file of a single matrix.
+/// No name may follow the file of a single matrix.
 fn check_unnamed(path: &Path, name: Option<&str>) -> Result<()> {
     let Some(name) = name else { return Ok(()) };
     let expected = "the file alone: this format holds a single matrix without a name".into();

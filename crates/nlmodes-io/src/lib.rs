@@ -13,9 +13,9 @@
 //! | contacts of nodes with walls and with each other, as sparse directions `W` | pairs: `node_a,node_b[,nx,ny,nz,gap_m]` | [`find_contacts`], [`FeModel::contact_directions`] |
 //! | motions of the skin of a mesh | `.vtu` and `.pvd` | [`Surface`], [`Skin`] |
 //!
-//! Text files may be packed with gzip. Matrices are streamed into their lower triangle: while a file is read, memory
-//! holds what the final triangle holds and little more, whatever a header claims. A file that is not what it should be
-//! is refused with the place, what is there and what was expected.
+//! Text files may be compressed with gzip. Matrices are streamed into their lower triangle: while a file is read,
+//! memory is little more than that of the final triangle, whatever a header claims. An invalid file is rejected with
+//! the position, the actual and the expected contents.
 //!
 //! ```
 //! use nlmodes_io::{FeFiles, FeModel};

@@ -26,7 +26,7 @@ pub struct Element {
     pub number: u64,
     /// Its shape.
     pub kind: ElementKind,
-    /// Indices of its nodes: corners, then the middles of edges, in the order of [`ElementKind::edges`].
+    /// Indices of its nodes: corner nodes, then midside nodes, in the order of [`ElementKind::edges`].
     pub nodes: Vec<u32>,
 }
 
@@ -37,7 +37,7 @@ pub(crate) enum Expanded {
     InPlane,
     /// So many nodes, whose mean motion is its own.
     Copies(usize),
-    /// So many nodes beside itself: it is a hinge between elements.
+    /// Number of adjacent nodes: it is a hinge between elements.
     Hinge(usize),
     /// Elements of both kinds meet.
     Mixed,
@@ -88,7 +88,7 @@ impl Mesh {
     /// Reads a mesh: `.inp` of CalculiX or Abaqus, `.msh` of Gmsh (4.1 and 2.2, as text), bulk data of Nastran.
     ///
     /// # Errors
-    /// [`ReadError`] with the line and what was expected there.
+    /// [`ReadError`] with the line and the expected contents.
     pub fn read(path: &Path) -> Result<Self> {
         let address = Address { path: path.to_owned(), name: None };
         match address.ending().as_str() {

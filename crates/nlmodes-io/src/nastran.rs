@@ -6,7 +6,7 @@ use std::borrow::Cow;
 
 pub(crate) use points::{Directions, Points};
 
-/// How the fields of a line are told apart.
+/// Separation of the fields of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Form {
     /// Eight fields of eight characters.
@@ -26,7 +26,7 @@ pub(crate) enum Start {
     More,
     /// A comment or an empty line, which ends no card.
     Comment,
-    /// Results that were punched beside the cards, and their headings: no card goes on behind them.
+    /// Results punched with the cards, and their headings: no card is continued after them.
     Results,
 }
 
@@ -37,7 +37,7 @@ pub(crate) struct BulkLine<'a> {
     form: Form,
 }
 
-/// Tabulators stand for blanks up to the next field of eight characters.
+/// Tabs represent blanks up to the next field of eight characters.
 fn without_tabs(line: &[u8]) -> Cow<'_, [u8]> {
     if !line.contains(&b'\t') {
         return Cow::Borrowed(line);
@@ -77,7 +77,7 @@ impl<'a> BulkLine<'a> {
         Self { start, form, ..first }
     }
 
-    /// The first field: the name of a card, or the mark of a line that goes on.
+    /// The first field: the name of a card, or a continuation mark.
     fn head(&self) -> &[u8] {
         let end = match self.form {
             Form::Free { .. } => self.text.iter().position(|byte| *byte == b','),
@@ -119,7 +119,7 @@ impl<'a> BulkLine<'a> {
         self.text.get(from.min(self.text.len())..to.min(self.text.len())).unwrap_or_default().trim_ascii()
     }
 
-    /// What stands behind the last field between commas, but for the mark of the line that goes on.
+    /// Text after the last comma-separated field, except a continuation mark.
     pub(crate) fn beyond(&self) -> Option<&[u8]> {
         let Form::Free { .. } = self.form else { return None };
         let rest = self.text.split(|byte| *byte == b',').skip(self.width() + 1).map(<[u8]>::trim_ascii);

@@ -88,11 +88,10 @@ impl Surface {
         text
     }
 
-    /// Writes frames as `NAME_000.vtu` … beside `NAME.pvd` into `directory`, each with the time or phase at which it is
-    /// shown.
+    /// Writes frames as `NAME_000.vtu` … beside `NAME.pvd` into `directory`, each with its time or phase.
     ///
     /// # Errors
-    /// What the file system says.
+    /// Message of the file system.
     pub fn write<'a>(
         &self,
         directory: &Path,

@@ -103,7 +103,7 @@ impl fmt::Display for UnitSystem {
      s, ms or us"
 )]
 pub struct UnknownUnits {
-    /// What was asked for.
+    /// The requested quantity.
     pub name: String,
 }
 

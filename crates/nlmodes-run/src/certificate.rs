@@ -1,8 +1,8 @@
-//! How far the numbers of a branch were looked at, and which of them not to use.
+//! Verification report: checks of the numbers of a branch, and which of them not to use.
 //!
-//! A [`Check`] compares: its value is a relative change, its limit what counts as small. A check that was not made says
-//! so, and how to have it made; it never counts for or against a number. From the checks each [`Number`] is judged: to
-//! be used, not to be used, or without anything that speaks for it.
+//! A [`Check`] is a comparison: its value is a relative change, its limit the permitted one. A check that was not made
+//! states this and how to have it made; it counts neither for nor against a number. From the checks each [`Number`]
+//! gets a verdict: to be used, not to be used, or not shown.
 
 mod contacts;
 mod energy;
@@ -27,14 +27,14 @@ pub use numbers::{Number, NumberUse, Use};
 pub use points::{Place, PointInDoubt};
 pub use table::tables;
 
-/// What was looked at in a branch, and what follows for its numbers.
+/// The verification report of a branch: checks, and verdicts on its numbers.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Certificate {
     /// All of it in a sentence.
     pub verdict: String,
-    /// Whether all was computed that can be, as `run --certify` asks for.
+    /// Whether all checks were made, as requested by `run --certify`.
     pub thorough: bool,
-    /// Points at which checks looked that take a point; nothing is known of the others.
+    /// Points at which point-wise checks were made; nothing is known of the others.
     pub points: Vec<Place>,
     /// Those of them that did not pass a check, and those that do not solve the equations.
     pub points_in_doubt: Vec<PointInDoubt>,
@@ -45,8 +45,8 @@ pub struct Certificate {
 }
 
 impl Certificate {
-    /// What it says, with the name of what it speaks of behind its first word: a sentence, and why each number is to be
-    /// used or not.
+    /// Its text, with the name of the branch after the first word: a sentence, and why each number is to be used or
+    /// not.
     pub fn text(&self, name: &str) -> String {
         let number = |number: &NumberUse| {
             let (what, usable) = (number.number.name(), number.usable.name());
@@ -81,16 +81,16 @@ pub struct Check {
     /// The largest change that was found, relative; none where nothing was.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
-    /// The point where it was found, of those that were looked at.
+    /// The point with this value, among those checked.
     #[serde(skip)]
     pub point: Option<usize>,
     /// Where that is on the curve.
     #[serde(flatten)]
     pub place: Option<Place>,
-    /// The points that were looked at, where it takes a point.
+    /// The points checked, for a point-wise check.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub looked: Vec<usize>,
-    /// Those of them, or of all points, at which it did not come out good.
+    /// The points, of these or of all, that did not pass.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub failed: Vec<usize>,
     /// Those from which no motion was found to compare with.
@@ -100,7 +100,7 @@ pub struct Check {
     pub limit: f64,
     /// What was compared, or why not.
     pub words: String,
-    /// How to have it looked at, where it was not.
+    /// How to have it made, if it was not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub how: Option<&'static str>,
 }
@@ -118,7 +118,7 @@ impl Check {
         Self { outcome, value, how: None, ..Self::missing(name, number, limit, words, "") }
     }
 
-    /// With the points that were looked at, and that where its value was found.
+    /// With the points checked, and the one with this value.
     fn at(self, worst: &Worst) -> Self {
         let looked = worst.all.iter().map(|(point, _)| *point).collect();
         self.where_it_failed(worst).looking_at(looked)
@@ -130,7 +130,7 @@ impl Check {
 
     /// With the points at which it failed, and that where its value was found.
     fn where_it_failed(self, worst: &Worst) -> Self {
-        // What is no number is not good either.
+        // NaN does not pass either.
         let is_good = |value: f64| value <= self.limit;
         let failed = worst.all.iter().filter(|(_, value)| !is_good(*value)).map(|(point, _)| *point).collect();
         Self { point: (worst.value != 0.0).then_some(worst.point), failed, ..self }
@@ -174,7 +174,7 @@ impl Check {
     }
 }
 
-/// The largest change, the point where it was found, and what was found at each.
+/// The largest change, its point, and the change at each point.
 #[derive(Debug, Clone, Default)]
 struct Worst {
     value: f64,
@@ -183,7 +183,7 @@ struct Worst {
 }
 
 impl Worst {
-    /// Takes note of what was found at a point, if that says anything of it; what is no number is worst of all.
+    /// Records the change at a point, if any; NaN is the worst.
     fn take(&mut self, point: usize, value: impl Into<Option<f64>>) {
         let Some(value) = value.into() else { return };
         if value.is_nan() || value > self.value {
@@ -193,11 +193,11 @@ impl Worst {
     }
 }
 
-/// Who is told the name of the check and the point, its number among so many, before each of those that take long;
-/// `false` ends them.
+/// Callback with the name of the check and the point, and its number of how many, before each slow one; `false` ends
+/// the checks.
 pub type Looking<'a> = &'a mut dyn FnMut(&'static str, usize, [usize; 2]) -> bool;
 
-/// What is said of checks that were broken off.
+/// Message for checks that were cancelled.
 const BROKEN_OFF: &str = "it was asked to end";
 
 /// Largest scaled residual of equations that count as solved.
@@ -206,14 +206,14 @@ const RESIDUAL: f64 = 1e-8;
 /// How to have all computed.
 const CERTIFY: &str = "`run --certify`";
 
-/// What a branch is looked at with.
+/// Data for the checks of a branch.
 #[derive(Debug, Clone, Copy)]
 pub struct Sources<'a> {
     /// Its scene.
     pub scene: &'a Scene,
-    /// The open modes from which its structure is made, if it is.
+    /// The free-interface modes of its structure, if it is reduced to them.
     pub open: Option<&'a OpenStructure>,
-    /// What its linear mode loses with the mass of the contacts, if that is taken away.
+    /// Effect of removing the mass of the contacts on its linear mode, if it is removed.
     pub shift: Option<MassShift>,
     /// Whether all is computed that can be, or only what costs next to nothing.
     pub thorough: bool,
@@ -237,7 +237,7 @@ impl Certificate {
         Self { thorough: sources.thorough, ..Self::new(&points::places(all), checks) }
     }
 
-    /// What checks of these points come to.
+    /// Result of checks at these points.
     pub(crate) fn new(all: &[Place], mut checks: Vec<Check>) -> Self {
         checks.iter_mut().for_each(|check| check.place = check.point.and_then(|point| all.get(point).copied()));
         let numbers = Number::ALL.map(|number| NumberUse::new(number, &checks)).to_vec();
@@ -246,8 +246,8 @@ impl Certificate {
         Self { verdict, thorough: false, points, points_in_doubt, checks, numbers }
     }
 
-    /// The numbers not to use as a warning at the head of a page, and those of which nothing is known as a line there.
-    /// `name` is that of the branch among several.
+    /// The numbers not to use, as a warning at the head of a page, and those not shown, as a line there. `name` is that
+    /// of the branch, if there are several.
     pub(crate) fn on_the_head<'a>(&self, page: HtmlReport<'a>, name: Option<&str>) -> HtmlReport<'a> {
         let page = match self.not_to_use(name) {
             Some(text) => page.warning(text),
@@ -286,7 +286,7 @@ pub(crate) fn residual(of: impl Iterator<Item = f64>) -> Check {
     Check::found("equations", None, largest, RESIDUAL, words).where_it_failed(&worst)
 }
 
-/// What all checks come to.
+/// Result of all checks.
 fn verdict(checks: &[Check], numbers: &[NumberUse]) -> String {
     let looked = checks.iter().filter(|check| check.outcome != CheckOutcome::NotLookedAt).count();
     let doubtful = checks.iter().filter(|check| check.outcome == CheckOutcome::Doubtful).count();
@@ -300,7 +300,7 @@ fn verdict(checks: &[Check], numbers: &[NumberUse]) -> String {
     text
 }
 
-/// The numbers that are to be used so, by what tells their name.
+/// Names of the numbers with this verdict.
 fn named_so(numbers: &[NumberUse], wanted: Use, name: fn(Number) -> &'static str) -> String {
     let names = numbers.iter().filter(|n| n.usable == wanted).map(|n| name(n.number));
     names.collect::<Vec<_>>().join(", ")
@@ -329,7 +329,7 @@ fn share(value: f64) -> String {
     }
 }
 
-/// Most points that are named, and of which each has its frequency behind it.
+/// Maximum number of points listed, and of those listed with frequency.
 const NAMED: [usize; 2] = [8, 3];
 
 /// `points 1 (60.8 Hz), 5 (62.1 Hz) and 9 (66.2 Hz)`; of many the first, and between which frequencies all lie.

@@ -1,11 +1,11 @@
-//! What linear modes are: axial or bending, rigid or not, and whether a stop stands at a node of them.
+//! Character of linear modes: axial or bending, rigid or not, and whether a stop is at one of their nodes.
 
 use nlmodes::linalg::multiply_many;
 use nlmodes::model::{DofKind, LinearModes, StructuralModel};
 
 /// Share of the kinetic energy from which on a mode is called by one kind of motion.
 const MOSTLY: f64 = 0.98;
-/// Displacement at a stop, over the largest of the mode, below which the stop stands at a node.
+/// Displacement at a stop, relative to the largest of the mode, below which the stop is at a node.
 const AT_NODE: f64 = 1e-3;
 /// Squared angular frequency, over the highest that is known, below which a mode is a rigid motion.
 const RIGID: f64 = 1e-9;

@@ -1,4 +1,4 @@
-//! Whether a run would begin, and what it would compute.
+//! Whether a run can start, and what it would compute.
 
 use nlmodes_scene::outline::Outline;
 use nlmodes_scene::{RecordScene, SceneFile, TestScene};
@@ -6,7 +6,7 @@ use nlmodes_scene::{RecordScene, SceneFile, TestScene};
 use crate::updating::updated;
 use crate::{Event, Observer, RunError, branches, mass, no_contact, records, virtual_test};
 
-/// Whether anything was warned of, to somebody who is told all the same.
+/// Whether there were warnings, which are passed on.
 struct Warned<'a> {
     observer: &'a mut dyn Observer,
     /// Whether there was a warning, those of the scene itself included.
@@ -30,7 +30,7 @@ impl Observer for Warned<'_> {
 /// the observer.
 ///
 /// # Errors
-/// [`RunError`] that says why no run would begin.
+/// [`RunError`] with the reason if no run can start.
 pub fn check(file: &SceneFile, observer: &mut dyn Observer) -> Result<Outline, RunError> {
     if file.scene.n_contact_tables() == 0 {
         return Err(no_contact(file).into());
@@ -50,10 +50,10 @@ pub fn check_records(file: &SceneFile<RecordScene>, observer: &mut dyn Observer)
     records::check(file, &mut told).map(|()| Outline::of_records(&file.scene, told.any))
 }
 
-/// What a virtual test would record, where it would come to its first sample.
+/// What a virtual test would record, if it can start.
 ///
 /// # Errors
-/// [`RunError`] that says why it would not.
+/// [`RunError`] with the reason if not.
 pub fn check_test(file: &SceneFile<TestScene>, observer: &mut dyn Observer) -> Result<Outline, RunError> {
     let mut told = Warned::of(file, observer);
     virtual_test::check(file, &mut told).map(|()| Outline::of_test(&file.scene, told.any))

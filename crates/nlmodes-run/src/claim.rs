@@ -22,7 +22,7 @@ use replaced::Replaced;
 /// Most differences between two scenes that are shown.
 const MAX_SHOWN: usize = 5;
 
-/// What a virtual test computes beside its levels.
+/// Computations of a virtual test in addition to its levels.
 const BACKBONES: [&str; 4] =
     ["backbone.csv", "backbone_ms-hbm.csv", "backbone_damped-mode.csv", "backbone_phase-resonance.csv"];
 
@@ -31,7 +31,7 @@ const BACKBONES: [&str; 4] =
 pub enum Over {
     /// Results of the same scene.
     Same,
-    /// Nothing: they are gone on with.
+    /// Nothing: they are continued.
     Resumed,
     /// Anything that this program wrote.
     Anything,
@@ -79,7 +79,7 @@ impl Claim {
         Ok(Self::unchecked(directory, &document.sources().file().name, &scenes, over))
     }
 
-    /// Without a look at what is there.
+    /// Without checking existing files.
     pub fn unchecked(directory: &Path, file: &str, scenes: &Value, over: Over) -> Self {
         let content = json!({
             "program": "nlmodes-cli",
@@ -90,7 +90,7 @@ impl Claim {
         Self { directory: directory.to_path_buf(), content, over, taken: Rc::default() }
     }
 
-    /// Whether an earlier run is gone on with.
+    /// Whether an earlier run is continued.
     pub fn resumes(&self) -> bool {
         self.over == Over::Resumed
     }
@@ -104,8 +104,8 @@ impl Claim {
         self.take().map_err(|source| RunError::Unwritable { directory, source, kept: false })
     }
 
-    /// Takes the directory: removes what an earlier run left and this one may not write again, and says whose results
-    /// these are.
+    /// Claims the directory: removes files of an earlier run that this one may not rewrite, and records the scene of
+    /// the results.
     ///
     /// # Errors
     /// [`ReportError`] if it cannot be written.
@@ -126,7 +126,7 @@ impl Claim {
     }
 }
 
-/// A scene without what has no influence on its results.
+/// A scene without keys that do not influence its results.
 pub fn identity(mut scene: Value) -> Value {
     if let Some(scene) = scene.as_object_mut() {
         scene.remove("title");
@@ -156,7 +156,7 @@ pub fn foreign(directory: &Path, scenes: &Value, over: Over, document: Option<&D
     let mut found = Vec::new();
     differences("", &known["scenes"], scenes, &mut found);
     if over == Over::Resumed && !asks_for_fewer_points(&known["scenes"], scenes) {
-        // More points may be asked for; with fewer, some that were found would be lost.
+        // More points may be requested; with fewer, some existing ones would be lost.
         found.retain(|(key, _)| !key.ends_with("continuation.max_points"));
     }
     if found.is_empty() {
@@ -187,7 +187,7 @@ fn asks_for_fewer_points(known: &Value, wanted: &Value) -> bool {
     }
 }
 
-/// What the directory says of its results; `None` where it has none.
+/// The record of the results in the directory; `None` if there is none.
 fn read(directory: &Path) -> Result<Option<Value>, String> {
     let parsed = |path: &Path| -> Result<Option<Value>, String> {
         match fs::read(path) {
@@ -227,7 +227,7 @@ fn interrupted(directory: &Path) -> Option<usize> {
     (points > 0).then_some(points)
 }
 
-/// Rows of the tables that have steps beside them, in a directory and its folders.
+/// Rows of tables with steps, in a directory and its folders.
 fn points_below(directory: &Path, depth: usize) -> Option<usize> {
     let own = if directory.join(STEPS).is_file() {
         let table = fs::read_to_string(directory.join("branch.csv")).unwrap_or_default();
@@ -254,7 +254,7 @@ fn differences(key: &str, there: &Value, here: &Value, found: &mut Vec<(String, 
             }
         }
         (Value::Array(old), Value::Array(new)) if old.len() == new.len() => {
-            // The number of the only scene says nothing.
+            // The number of the only scene is meaningless.
             let single = key.is_empty() && old.len() == 1;
             for (i, (old, new)) in old.iter().zip(new).enumerate() {
                 differences(&if single { String::new() } else { below(&i.to_string()) }, old, new, found);

@@ -20,7 +20,7 @@ pub enum RunError {
     /// The computation failed, at the key that it is about; another value may do, but the scene is not wrong.
     #[error("{0}")]
     Failed(SceneError),
-    /// It was asked to end before there was any point.
+    /// The end was requested before the first point.
     #[error("ended before any point was found: there are no results")]
     Ended,
     /// There is no scene to run.
@@ -32,7 +32,7 @@ pub enum RunError {
         /// The output directory.
         directory: PathBuf,
     },
-    /// The directory holds the results of another scene, or of nobody knows what.
+    /// The directory has the results of another or an unknown scene.
     #[error("{reason}")]
     Foreign {
         /// What is there, and how it differs.
@@ -54,18 +54,18 @@ pub enum RunError {
         /// Why not.
         #[source]
         source: ReportError,
-        /// Whether what was found until then is there.
+        /// Whether the results found so far exist.
         kept: bool,
     },
     /// The record of a level, or its row, cannot be written.
     #[error("{reason}")]
     NotRecorded {
-        /// The output directory, with what was recorded until then.
+        /// The output directory, with the records so far.
         directory: PathBuf,
         /// Why not.
         reason: String,
     },
-    /// Figures or summary cannot be made of what was computed.
+    /// Figures or summary cannot be created from the results.
     #[error("{}", chain(.0.as_ref()))]
     Files(Failure),
 }

@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 /// Says which scene the results in a directory are of.
 pub const RUN: &str = "run.json";
 
-/// Folders below a directory of results in which there may be branches: of methods, harmonics and arms.
+/// Folders below a directory of results in which there may be branches: of methods, harmonics and half-branches.
 pub const DEPTH: usize = 3;
 
-/// The steps of a branch, from which a run goes on.
+/// The steps of a branch, from which a run continues.
 pub const STEPS: &str = "steps.jsonl";
 
 /// Where the exact motions of a branch by shooting start.
@@ -26,7 +26,7 @@ const RESPONSE_FIGURES: [&str; 7] = [
     "force_needed.svg",
 ];
 
-/// A figure, and what may have been made of it.
+/// A figure, and its conversions.
 const FIGURE_ENDINGS: [&str; 3] = [".svg", ".pdf", ".png"];
 
 /// Most records with a time history.
@@ -70,7 +70,7 @@ fn has_width(name: &str) -> bool {
     width.is_some_and(|(_, width)| width.parse::<f64>().is_ok())
 }
 
-/// The figures of a directory as PDF and PNG: beside their SVG, or of a width of their own.
+/// The figures of a directory as PDF and PNG: beside their SVG, or with their own width.
 pub fn made_of_figures(directory: &Path) -> impl Iterator<Item = PathBuf> {
     let is_one = |path: &PathBuf| {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -102,9 +102,9 @@ fn remove_where(directory: &Path, is_one: impl Fn(&str) -> bool) {
     }
 }
 
-/// Removes files of these names, where they are there; with a figure what was made of it.
+/// Removes files of these names, if they exist, together with conversions of figures.
 pub fn remove_all(directory: &Path, names: &[impl AsRef<str>]) {
-    // What cannot be removed cannot be overwritten either, which is said when it is.
+    // A file that cannot be removed cannot be overwritten either, which is reported then.
     let remove = |name: &str| drop(fs::remove_file(directory.join(name)));
     for name in names.iter().map(AsRef::as_ref) {
         match name.strip_suffix(".svg") {

@@ -1,4 +1,4 @@
-//! The steps of a branch on disk, from which a run goes on.
+//! The steps of a branch on disk, from which a run continues.
 
 use std::cell::Cell;
 use std::fs::{self, File, OpenOptions};
@@ -22,7 +22,7 @@ const FORMAT: u32 = 1;
 /// Largest difference of a coordinate up to which the start of a run is the one that is known: the rest is rounding.
 const SAME: f64 = 1e-9;
 
-/// A line of the file behind the first one.
+/// A line of the file after the first one.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum Line {
@@ -37,14 +37,14 @@ struct Known {
     /// Where its first line begins.
     offset: u64,
     start: Correction,
-    /// Where the line of each step begins, without those that were asked to end and gone on behind.
+    /// Start of the line of each step, without those at which the run was ended and later continued.
     offsets: Vec<u64>,
     steps: Vec<StepRecord>,
 }
 
-/// `steps.jsonl`: a line a step, written when the step is taken.
+/// `steps.jsonl`: one line per step, written when the step is taken.
 ///
-/// Lines behind one that is torn or makes no sense do not count.
+/// Lines after an incomplete or invalid one are ignored.
 pub struct Journal {
     path: PathBuf,
     header: Value,
@@ -62,7 +62,7 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// The steps of an earlier run of the same scene, if that is gone on with; else none.
+    /// The steps of an earlier run of the same scene, if it is continued; otherwise none.
     ///
     /// # Errors
     /// [`ReportError`] if they cannot be read, or another run is at work there.
@@ -107,7 +107,7 @@ impl Journal {
                     }
                     Ok(Line::Step(step)) => {
                         let Some(run) = self.known.last_mut() else { return };
-                        // It was asked to end there, and has gone on since.
+                        // It was ended there, and has continued since.
                         if run.steps.pop_if(|last| last.stop.as_ref().is_some_and(StopReason::is_asked_for)).is_some() {
                             run.offsets.pop();
                         }
@@ -130,7 +130,7 @@ impl Journal {
         self.known.get(self.begun).is_some_and(|run| is_same(&run.start, start))
     }
 
-    /// What lies behind the runs that have begun does not belong to this computation.
+    /// Anything after the runs that have begun does not belong to this computation.
     fn forget_the_rest(&mut self) {
         if let Some(next) = self.known.get(self.begun) {
             self.forget_behind(next.offset);
@@ -163,7 +163,7 @@ impl Journal {
         Ok(())
     }
 
-    /// Opens the file behind what counts of it.
+    /// Opens the file after its valid part.
     fn prepare(&mut self) -> io::Result<File> {
         if let Some(directory) = self.path.parent() {
             fs::create_dir_all(directory)?;
@@ -228,7 +228,7 @@ impl RunLog for Journal {
 /// The first line: what the steps are of.
 pub fn header(scene: &Scene) -> Value {
     let mut scene = identity(serde_json::to_value(scene).unwrap_or_default());
-    // More points may be asked for when a run goes on.
+    // More points may be requested when a run is continued.
     if let Some(continuation) = scene.get_mut("continuation").and_then(Value::as_object_mut) {
         continuation.remove("max_points");
     }

@@ -1,20 +1,19 @@
 //! From a checked scene to a directory of results: journal, tables, figures, page.
 //!
-//! Nothing is printed. What there is to tell goes to an [`Observer`] as an [`Event`], and through it a run is asked to
-//! end; what came out is data, and so is what went wrong. Scenes, outcomes and errors are [`Send`]: a run may go on in
-//! a thread of its own.
+//! Nothing is printed. Progress is passed to an [`Observer`] as an [`Event`], and the observer can end a run; results
+//! and errors are data. Scenes, outcomes and errors are [`Send`]: a run may be in its own thread.
 //!
 //! | item | what it does |
 //! | --- | --- |
 //! | [`run`](branches::run()) | the branches of a scene, of each of its methods and numbers of harmonics |
-//! | [`check`], [`check_records`], [`check_test`] | whether it would begin, and what it would compute |
+//! | [`check`], [`check_records`], [`check_test`] | whether it can start, and what it would compute |
 //! | [`responses::run`] | damped and forced motions: response curves, phase resonance, damped modes |
 //! | [`records::extract`] | measured records to modal points |
 //! | [`virtual_test::run`] | a rig with its loop, level by level |
 //! | [`compare::rows`] | the same branch with several contact solvers |
 //! | [`verify::verify`] | one period of the full structure from a computed point |
 //! | [`linear::linear_frequencies`], [`updating::updated`] | linear modes of a scene; parameters from measured frequencies |
-//! | [`certificate::Certificate`] | how far the numbers of a branch were looked at, and which not to use |
+//! | [`certificate::Certificate`] | verification report: checks of the numbers of a branch, and which not to use |
 //! | [`mass::warning_of`] | what the mass taken from contacts does to the linear mode |
 //! | [`overlay`] | results of other runs and tests laid over a branch, with the differences in numbers |
 //! | [`redrawn::redraw`] | the figures of results in another width |

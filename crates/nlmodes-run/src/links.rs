@@ -10,7 +10,7 @@ const ENDINGS: [&str; 9] = ["csv", "json", "npz", "svg", "html", "uff", "wav", "
 /// Depth of folders within the directory: method, harmonics, branch.
 const DEPTH: usize = 4;
 
-/// Refuses a directory in which a link stands where a result may be written.
+/// Rejects a directory with a link in place of a results file.
 ///
 /// # Errors
 /// [`RunError::Link`].

@@ -10,7 +10,7 @@ use crate::open_modes::OpenLinearModes;
 use crate::settings::{Models, models};
 use crate::{RunError, refusal};
 
-/// Relative change of the linear frequency from which on a user is told.
+/// Relative change of the linear frequency above which there is a warning.
 pub const NOTABLE: f64 = 0.005;
 
 /// Says by how much the linear mode of the scene is off without the mass of its contacts, and what helps; `None` below
@@ -34,7 +34,7 @@ pub(crate) fn shift(scene: &Scene, open: &OpenLinearModes) -> Option<MassShift> 
     MassShift::between(&open.kept.omega, &open.own.omega, scene.method.mode)
 }
 
-/// The same for a scene that is only looked at.
+/// The same for a scene that is only checked.
 ///
 /// # Errors
 /// [`RunError`] if the structure cannot be made.

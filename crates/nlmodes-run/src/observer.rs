@@ -1,4 +1,4 @@
-//! What a run tells while it computes, and how it is asked to end.
+//! Events of a run, and how it is ended.
 
 use std::path::Path;
 
@@ -9,18 +9,18 @@ use nlmodes_scene::scene::{Scene, TestScene, Updating};
 
 use crate::outcome::PartOutcome;
 
-/// Something that a run tells.
+/// An event of a run.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum Event<'a> {
-    /// The directory holds an interrupted run of this scene, with so many points, which is computed anew.
+    /// The directory has an interrupted run of this scene, with this many points, which is computed again.
     Abandoned {
         /// The output directory.
         directory: &'a Path,
         /// Rows of its tables.
         points: usize,
     },
-    /// What calls of their own made of the results in the directory is replaced or removed by this run.
+    /// Files derived from the results in the directory by other calls are replaced or removed by this run.
     Replaces {
         /// The output directory.
         directory: &'a Path,
@@ -51,9 +51,9 @@ pub enum Event<'a> {
     },
     /// The branches of this scene begin.
     Begun(&'a Scene),
-    /// Something about the structure that a user should know before trusting what comes out.
+    /// A warning about the structure before trusting the results.
     Warning(&'a str),
-    /// There is no interrupted run to go on with: it is computed from the beginning.
+    /// There is no interrupted run to continue: the computation starts from the beginning.
     NothingToResume {
         /// The output directory.
         directory: &'a Path,
@@ -67,7 +67,7 @@ pub enum Event<'a> {
         /// Whether it was computed now.
         is_new: bool,
     },
-    /// Only the first points of a branch stay: a tongue is skipped.
+    /// Only the first points of a branch are kept: an internal resonance is skipped.
     Withdrawn {
         /// How many stay.
         kept: usize,
@@ -79,18 +79,18 @@ pub enum Event<'a> {
     },
     /// No more points come.
     Computed,
-    /// A check of the certificate looks at a point, which may take long.
+    /// A check of the verification report examines a point, which may take long.
     Looking {
         /// Name of the check.
         check: &'static str,
         /// The point.
         point: usize,
-        /// Its number among those that are looked at, from 1, and how many these are.
+        /// Its number among those checked, from 1, and their number.
         number: [usize; 2],
     },
     /// All files of a part are written, or why not is in it.
     Done(&'a PartOutcome),
-    /// A virtual test that was to be gone on with begins anew.
+    /// A virtual test that was to be continued starts again.
     TestBeginsAnew,
     /// The rig of a virtual test, in a line.
     Rig(&'a str),
@@ -107,8 +107,7 @@ pub enum Event<'a> {
     CurveDone {
         /// Its name.
         name: &'a str,
-        /// Whether it stands behind the one that was announced: a branch of that, or the curve from the other end of
-        /// the window.
+        /// Whether it follows the announced one: a branch of it, or the curve from the other end of the window.
         is_further: bool,
         /// Points, and in words why there are no more; or why there are none.
         outcome: Result<(usize, &'a str), &'a str>,
@@ -126,30 +125,29 @@ pub enum Event<'a> {
     },
 }
 
-/// Whoever looks on while a run computes.
+/// Observer of a run.
 pub trait Observer {
     /// Takes note of what happens.
     fn event(&mut self, event: Event<'_>);
 
-    /// Whether the run is to end behind the step in progress, with what was found.
+    /// Whether the run is to end after the current step, with the results so far.
     fn is_cancelled(&self) -> bool {
         false
     }
 
-    /// Whether the certificates of branches are to look at all that can be looked at, not only at what costs next to
-    /// nothing. Default no.
+    /// Whether the verification reports of branches include all checks, not only those at next to no cost. Default no.
     fn certifies(&self) -> bool {
         false
     }
 
-    /// Who looks on between points, when branches begin: he is told what is sought, and may end that at once. Default
-    /// nobody.
+    /// Observer between points, when branches start: it is informed about searches, and may end them at once. Default
+    /// none.
     fn watch(&self) -> Watch {
         Watch::default()
     }
 }
 
-/// Looks away, and lets the run go on to its end.
+/// Ignores everything, and lets the run continue to its end.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Silent;
 

@@ -24,17 +24,17 @@ pub struct PartOutcome {
     pub linear: LinearFrequencies,
     /// Participation of the lowest linear modes in each point of each of these branches.
     pub participation: Vec<Vec<Participation>>,
-    /// How far the numbers of each of these branches were looked at; none where files could not be written.
+    /// The verification reports of these branches; none if files could not be written.
     pub certificates: Vec<Certificate>,
     /// From the beginning to the last point.
     pub points_time: Duration,
-    /// What the certificates took.
+    /// Time of the verification reports.
     pub certificate_time: Duration,
-    /// How what is laid over the first branch differs from it, stop by stop, a line each.
+    /// Differences of overlays from the first branch, one line per stop.
     pub compared: Vec<String>,
     /// From the beginning to the last file.
     pub wall_time: Duration,
-    /// Why the files that are made of whole branches are not all there.
+    /// Why the files made from complete branches are incomplete.
     pub failure: Option<Failure>,
     /// Whether all branches ended where they were meant to, and all files are there.
     pub is_complete: bool,
@@ -49,7 +49,7 @@ impl PartOutcome {
         branches.map(|(number, computed)| Ending::new(computed, &name(number), self.points_time)).collect()
     }
 
-    /// The numbers that the certificates say not to use, a sentence for each branch that has some.
+    /// The numbers not to use according to the verification reports, a sentence for each branch that has some.
     pub fn not_to_use(&self) -> Vec<String> {
         let several = self.certificates.len() > 1;
         let name = |number: usize| several.then(|| format!("branch {number}"));
@@ -57,7 +57,7 @@ impl PartOutcome {
         certificates.filter_map(|(number, certificate)| certificate.not_to_use(name(number).as_deref())).collect()
     }
 
-    /// What the certificates say: a sentence a branch, and why each number is to be used or not.
+    /// Text of the verification reports: one sentence per branch, and why each number is to be used or not.
     pub fn certificates_text(&self) -> String {
         let several = self.certificates.len() > 1;
         let name = |number: usize| if several { format!(" of branch {number}") } else { String::new() };
@@ -76,7 +76,7 @@ pub struct RunOutcome {
     pub compared: Vec<String>,
     /// Why the common files of several parts are not all there.
     pub failure: Option<Failure>,
-    /// Whether it was asked to end before all parts had begun.
+    /// Whether the end was requested before all parts had begun.
     pub is_cut_off: bool,
 }
 

@@ -1,5 +1,4 @@
-//! What results say at a frequency or an energy: every passage of every branch and curve there, with what each stop
-//! does.
+//! Results at a frequency or an energy: every passage of every branch and curve, with the quantities of each stop.
 
 mod between;
 mod read;
@@ -13,7 +12,7 @@ use thiserror::Error;
 use crate::overlay::OverlayError;
 pub use text::text;
 
-/// The quantity at a value of which results are asked for.
+/// The quantity at which results are requested.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Abscissa {
@@ -93,17 +92,17 @@ pub struct Curve {
     pub range: [f64; 2],
     /// Whether it passes the value.
     pub answer: Answer,
-    /// Whether there is a `contacts.csv` beside the table.
+    /// Whether there is a `contacts.csv` for the table.
     pub has_contacts: bool,
     /// Numbers of points between which something was left out and the value lies.
     pub left_out: Vec<[usize; 2]>,
     /// All passages, in the order of the branch.
     pub passages: Vec<Passage>,
-    /// What the certificate says of its numbers; empty where there is none.
+    /// Text of the verification report on its numbers; empty if there is none.
     pub verdict: String,
 }
 
-/// Why nothing is said.
+/// Why there is no result.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum PassageError {
@@ -121,7 +120,7 @@ pub enum PassageError {
     Table(#[from] OverlayError),
 }
 
-/// The curves with all that is known of them, as JSON; what is not known is `null`.
+/// The curves with all their data, as JSON; unknown values are `null`.
 pub fn json(curves: &[Curve]) -> String {
     format!("{:#}", serde_json::json!(curves))
 }

@@ -1,5 +1,5 @@
-//! The figures of results drawn anew in another width: the steps of the run are repeated, nothing is computed but what
-//! figures show.
+//! Redraws the figures of results in another width: the steps of the run are repeated, and only the contents of figures
+//! are computed.
 
 use std::fs;
 use std::io;
@@ -15,7 +15,7 @@ use crate::{Event, Observer, Over, RunError, branches, responses};
 
 const SUMMARY: &str = "summary.json";
 
-/// Why figures are not drawn anew.
+/// Why figures are not redrawn.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum RedrawError {
@@ -30,7 +30,7 @@ pub enum RedrawError {
     /// The summary is not one of a run.
     #[error("{SUMMARY} is not that of a run")]
     NotASummary(#[from] serde_json::Error),
-    /// There is no scene in it of which figures have a width.
+    /// It has no scene whose figures have a width.
     #[error(
         "only figures of branches and responses are drawn anew: figures of records and tests have one width, and those of a folder branch_1 … are the figures of the folder above"
     )]
@@ -43,7 +43,7 @@ pub enum RedrawError {
     /// The run had not ended.
     #[error("the run had not ended, and is not gone on with for a figure: `run --resume` first")]
     NotEnded,
-    /// Its structure, or something that is laid over, is not what it was.
+    /// Its structure or an overlay has changed.
     #[error(transparent)]
     Run(#[from] RunError),
 }
@@ -59,7 +59,7 @@ struct Summary {
 /// Draws the figures of the run in `results` into the folder `into`, which is made: so wide in print, mm, and without
 /// their titles unless `titled`.
 ///
-/// Curves of responses are computed anew.
+/// Curves of responses are computed again.
 ///
 /// # Errors
 /// [`RedrawError`].
@@ -117,7 +117,7 @@ impl Observer for Repeating {
     }
 }
 
-/// The steps, and whose they are, with the folders in which they stand.
+/// The steps and their scene, with the folders in which they are.
 fn copy_steps(from: &Path, to: &Path, depth: usize) -> Result<(), RedrawError> {
     let io = |path: &Path| {
         let path = path.to_path_buf();

@@ -28,7 +28,7 @@ pub fn models(file: &SceneFile) -> Result<Models, RunError> {
     models_sharing(file, &Structures::default())
 }
 
-/// The same, where what is known of files need not be read and reduced again.
+/// The same, reusing files that were already read and reduced.
 pub fn models_sharing(file: &SceneFile, structures: &Structures) -> Result<Models, RunError> {
     let Assembly { model, open } =
         Assembly::sharing(&file.scene, structures).map_err(|error| refusal::at(file, &error.path(), &error))?;
@@ -51,7 +51,7 @@ pub fn starts(start: Start) -> (BranchStart, Option<BranchStart>) {
     }
 }
 
-/// How the branch of a scene is computed, but for its start.
+/// Settings of the branch of a scene, except its start.
 pub fn branch_settings(scene: &Scene) -> BranchSettings {
     let method = &scene.method;
     BranchSettings {

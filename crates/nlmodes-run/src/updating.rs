@@ -16,7 +16,7 @@ use nlmodes_scene::scene::{Scene, UpdatedParameter, Updating, UpdatingDone};
 #[error(transparent)]
 struct Trial(#[from] Failure);
 
-/// The scene with its parameters updated and what was done on record; the same scene where it does not ask for that.
+/// The scene with its parameters updated and what was done on record; the same scene if it requests none.
 ///
 /// # Errors
 /// [`RunError`] if no parameters give the frequencies.

@@ -14,10 +14,10 @@ use nlmodes::timestep::{
 pub use error::VerifyError;
 pub use results::Point;
 
-/// Most modes with which the exact motion next to the point is looked for.
+/// Maximum number of modes for the search for the exact motion next to the point.
 const MOST_MODES: usize = 400;
 
-/// What comes out of a point.
+/// Result for a point.
 #[derive(Debug)]
 pub struct Found {
     /// Modes of the full structure.
@@ -48,7 +48,7 @@ pub fn verify(point: &Point) -> Result<Found, TimestepError> {
     verify_up_to(point, MOST_MODES, &Watch::default())
 }
 
-/// The same, the exact motion being looked for with so many modes at most, as long as `watch` lets it go on.
+/// The same, searching for the exact motion with at most this many modes, as long as `watch` permits.
 ///
 /// # Errors
 /// [`TimestepError::Ended`] where it does not.

@@ -13,7 +13,7 @@ pub(crate) enum Stored {
 /// Takes column after column, the upper triangle only to compare it: nothing but the final matrix is held.
 ///
 /// When column j comes, its entries above the diagonal are mirror images of entries (j, i) of earlier columns i.
-/// Columns come in order, so a cursor in each earlier column stands at the first row that has not been compared yet.
+/// Columns come in order, so a cursor in each earlier column is at the first row that has not been compared yet.
 pub(crate) struct ColumnBuilder {
     stored: Stored,
     lower: LowerTriangle,
@@ -69,7 +69,7 @@ impl ColumnBuilder {
         Ok(())
     }
 
-    /// Moves the cursor of column i to row j; what it passes has no mirror image.
+    /// Moves the cursor of column i to row j; entries passed have no mirror image.
     fn pass(&mut self, i: usize, j: usize) -> Result<(), Fault> {
         while self.cursors[i] < self.lower.column_starts[i + 1] && self.lower.rows[self.cursors[i]] < j {
             let (row, value) = (self.lower.rows[self.cursors[i]], self.lower.values[self.cursors[i]]);

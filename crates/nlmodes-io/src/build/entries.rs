@@ -10,8 +10,8 @@ pub(crate) enum Triangles {
     Both,
 }
 
-/// Entries of one block: what is taken at a time while they are read, and given back at a time while they are sorted.
-/// 32 MiB, from where on allocators give memory back to the system at once.
+/// Entries of one block: the unit of allocation while they are read, and of release while they are sorted. 32 MiB, a
+/// size that allocators return to the system at once.
 const BLOCK: usize = 1 << 21;
 /// Marks an entry that came from above the diagonal.
 const UPPER: usize = 1 << 31;
@@ -24,7 +24,7 @@ struct Entry {
 }
 
 /// Collects entries in any order: 16 bytes for each that is not zero, in blocks that are freed as the columns fill, and
-/// nothing for the rows between, whose number nobody has checked yet.
+/// nothing for the rows in between, whose number is not yet checked.
 pub(crate) struct EntryBuilder {
     triangles: Triangles,
     blocks: Vec<Vec<Entry>>,
@@ -33,8 +33,8 @@ pub(crate) struct EntryBuilder {
 }
 
 impl EntryBuilder {
-    /// With an entry to look out for: the second one at the place of a duplicate is an error, and the first at that of
-    /// an asymmetry.
+    /// With an entry to watch: the second one at the place of a duplicate is an error, and the first at that of an
+    /// asymmetry.
     pub(crate) fn new(triangles: Triangles, watched: Option<Fault>) -> Self {
         Self { triangles, blocks: Vec::new(), watched, seen: false }
     }

@@ -1,6 +1,6 @@
 use std::path::PathBuf;
 
-/// Contacts as a user says them: of a node or of many with a wall, or of pairs.
+/// Contacts as specified by a user: of one or many nodes with a wall, or of pairs.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ContactChoice {
@@ -8,14 +8,14 @@ pub struct ContactChoice {
     pub nodes: ContactNodes,
     /// What they touch.
     pub partner: Partner,
-    /// Direction from them to what they touch; with a table of pairs it may stand there.
+    /// Direction from them to their obstacle; with a table of pairs it may be given there.
     pub normal: Option<NormalChoice>,
-    /// Clearance at rest; with a table of pairs it may stand there, and between nodes that are sought it may be left
-    /// out: then it is their distance along the normal in the mesh.
+    /// Clearance at rest; with a table of pairs it may be given there, and for automatically paired nodes it may be
+    /// omitted: then it is their distance along the normal in the mesh.
     pub gap: Option<GapChoice>,
     /// Contact stiffness, N/m; none of rigid contacts.
     pub stiffness: Option<f64>,
-    /// Damper beside that stiffness, N s/m; none of contacts that do not dissipate.
+    /// Damper parallel to the stiffness, N s/m; none without dissipation.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub damping: Option<f64>,
 }

@@ -30,7 +30,7 @@ pub enum ContactProblem {
         /// The node.
         node: u64,
     },
-    /// The node is held along the normal.
+    /// The node is fixed along the normal.
     #[error(
         "node {node} cannot move along its normal [{}, {}, {}]: it is fixed there, or dependent on other nodes \
          (*EQUATION, *MPC, *TIE, *COUPLING, *RIGID BODY), or one of several nodes that CalculiX made of it is; take a \
@@ -55,7 +55,7 @@ pub enum ContactProblem {
         /// The node.
         node: u64,
     },
-    /// Neither the choice nor the table of pairs says one.
+    /// Given neither by the choice nor by the table of pairs.
     #[error(
         "node {node} has no {what}: its line in the table of pairs says none; expected it there, as node_a,node_b,nx,ny,nz,gap_m, or `{}` beside `pairs` for all such lines",
         if *.what == "gap" { "gap_m" } else { what }
@@ -97,9 +97,9 @@ pub enum ContactProblem {
         node: u64,
         /// The node that it was to touch.
         other: u64,
-        /// The normal, from the node to what it touches.
+        /// The normal, from the node to its obstacle.
         normal: [f64; 3],
-        /// How far behind it is, m.
+        /// Distance behind, m.
         distance: f64,
     },
     /// Two rigid walls that face each other overlap.

@@ -17,7 +17,7 @@ type Outcome<T> = Result<T, ContactProblem>;
 /// All contacts of a model, in the order of the choices and of the nodes in their sets.
 ///
 /// # Errors
-/// [`ContactError`]: nodes that are not there or held along the normal, contacts that stand twice, nodes without a
+/// [`ContactError`]: nodes that do not exist or are fixed along the normal, duplicate contacts, nodes without a
 /// partner.
 pub fn find_contacts(
     model: &FeModel,
@@ -134,7 +134,7 @@ impl One<'_> {
         }
     }
 
-    /// For each node the first one ahead that lies on the line along its normal, as far as the tolerance tells.
+    /// For each node the first one ahead on the line along its normal, within the tolerance.
     fn nearest(&self, against: &ContactNodes, tolerance: Option<f64>) -> Outcome<Vec<NodeContact>> {
         let (nodes, others) = (self.nodes(&self.choice.nodes)?, self.nodes(against)?);
         let normals = self.normals(&nodes)?;
@@ -159,7 +159,7 @@ impl One<'_> {
                 let Seen { number: nearest, beside: distance, .. } = nearest;
                 return Err(ContactProblem::NoPartner { node, nearest, distance, tolerance });
             }
-            // Of a body with two faces the near one is touched, and what lies behind the node is another's.
+            // Of a body with two faces the near one is in contact; faces behind the node belong to another.
             let ahead = || all().filter(|other| other.beside <= tolerance && other.along >= -overlap);
             let first = ahead().map(|other| other.along).fold(f64::INFINITY, f64::min);
             let found = ahead().filter(|other| other.along <= first + overlap);
@@ -173,7 +173,7 @@ impl One<'_> {
         Ok(contacts)
     }
 
-    /// What a node touches lies where its normal points, or no farther behind it than is allowed (m).
+    /// The obstacle of a node is in the direction of its normal, or behind it by at most this distance (m).
     fn check_side(&self, contact: &NodeContact, allowed: f64) -> Outcome<()> {
         match (contact.against, contact.distance_in(self.model)) {
             (Some(other), Some(along)) if along < -allowed => {
@@ -196,8 +196,8 @@ impl One<'_> {
         if contact.column(self.model, 0).iter().all(|entry| entry.2.abs() < 1e-9) {
             return Err(ContactProblem::HeldAlongNormal { node, normal });
         }
-        // Part of the normal along which a node moves with others is not known from its own rows. Of a deck without
-        // any support nobody knows what is held.
+        // Along part of the normal a node may move with others, which its own rows do not show. For a deck without
+        // supports it is unknown what is fixed.
         let mesh = self.model.mesh.as_ref();
         let supported = mesh.and_then(|mesh| mesh.supports.as_ref()).is_some_and(|supports| !supports.is_empty());
         let depends = |node: &u64| {
@@ -212,14 +212,14 @@ impl One<'_> {
     }
 }
 
-/// Share of the extent of the other body by which its nodes may lie beside the normal, and of that of both by which
-/// they may lie behind the node.
+/// Fraction of the extent of the other body by which its nodes may be off the normal, and of that of both by which they
+/// may be behind the node.
 const BESIDE: f64 = 1e-3;
 
 /// Distances up to this share of the extent of two bodies are rounding of their places.
 const ROUNDING: f64 = 1e-9;
 
-/// How far two nodes are pressed into each other at rest, as their gap says, m.
+/// Overlap of two nodes at rest according to their gap, m.
 fn interference(contact: &NodeContact) -> f64 {
     (-contact.gap).max(0.0)
 }

@@ -25,7 +25,7 @@ pub(super) fn read(path: &Path, name: Option<&str>) -> Result<MatrixData> {
     Ok(matrix)
 }
 
-/// What a file holds beside the entries of matrices.
+/// Contents of a file in addition to matrix entries.
 #[derive(Default)]
 struct Contents {
     names: Vec<String>,
@@ -54,7 +54,7 @@ impl Contents {
         Ok(contents)
     }
 
-    /// Whether the card that begins in a line is one of a point, of which all lines are needed.
+    /// Whether the card that begins in a line belongs to a point, all lines of which are needed.
     fn begin(&mut self, lines: &Lines, line: &BulkLine<'_>) -> Result<bool> {
         self.included.extend(included(lines.line()));
         let name = line.name();
@@ -68,7 +68,7 @@ impl Contents {
         card.map_or(Ok(()), |card| self.points.take(path, &card))
     }
 
-    /// The name that is asked for, or that of the only matrix.
+    /// The requested name, or that of the only matrix.
     fn chosen(&self, path: &Path, name: Option<&str>) -> Result<String> {
         let names = &self.names;
         let problem = match (name, names.as_slice()) {
@@ -125,7 +125,7 @@ fn header(lines: &Lines, line: &BulkLine<'_>) -> Result<Option<Header>> {
 enum Under {
     /// A card that is no matrix, or nothing.
     Other,
-    /// The header of a matrix: a long one goes on.
+    /// The header of a matrix: a long one is continued.
     Header,
     /// A column of another matrix.
     OtherColumn,
@@ -140,7 +140,7 @@ struct Reader<'a> {
     builder: Option<LabelledBuilder>,
     known: Vec<String>,
     under: Under,
-    /// A card that is no matrix has come behind columns of this one.
+    /// A card that is not a matrix after columns of this one.
     left: bool,
 }
 
@@ -219,13 +219,13 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Nothing may stand behind the last field.
+/// Nothing may follow the last field.
 fn check_end(lines: &Lines, line: &BulkLine<'_>) -> Result<()> {
     let more = |more| Err(lines.expected(format!("at most {} fields between commas, and DMIG", line.width()), more));
     line.beyond().map_or(Ok(()), more)
 }
 
-/// A card whose name is that of a matrix but for a letter would take its column with it.
+/// A card whose name differs from that of a matrix by one letter would lose its column.
 fn check_misspelt(lines: &Lines, line: &BulkLine<'_>) -> Result<()> {
     const CARDS: [&str; 5] = ["DMIG", "DMIJ", "DMIK", "DMI", "DTI"];
     let name = line.name();

@@ -106,7 +106,7 @@ fn formats(lines: &Lines) -> Result<(Columns, Columns, Columns)> {
     ))
 }
 
-/// `count` numbers, as many in a line as the format says.
+/// `count` numbers, with the number per line given by the format.
 struct Section<'a> {
     lines: &'a mut Lines,
     columns: Columns,
@@ -121,7 +121,7 @@ impl<'a> Section<'a> {
         Self { lines, columns, left: count, count, what, start: columns.count * columns.width }
     }
 
-    /// Start and end of the next number in the line; goes on to the next line after the last one.
+    /// Start and end of the next number in the line; continues with the next line after the last one.
     fn next(&mut self) -> Option<Result<(usize, usize)>> {
         if self.left == 0 {
             return None;

@@ -57,7 +57,7 @@ impl LabelledBuilder {
         self.labels.is_empty()
     }
 
-    /// Labels in ascending order, without those that are held.
+    /// Labels in ascending order, without fixed ones.
     pub(super) fn finish(self) -> Pass<MatrixData> {
         let mut order: Vec<usize> = (0..self.labels.len()).collect();
         order.sort_unstable_by_key(|k| self.labels[*k]);

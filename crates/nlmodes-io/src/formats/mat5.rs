@@ -54,7 +54,7 @@ impl Contents {
     }
 }
 
-/// What stands before the numbers of an array.
+/// The header of the numbers of an array.
 struct Head {
     name: String,
     class: u8,
@@ -169,7 +169,7 @@ impl Mat<'_> {
         matrix.ok_or_else(|| ReadError::whole(self.path, missing()))
     }
 
-    /// The numbers behind a head.
+    /// The numbers after a header.
     fn numbers(
         &self,
         elements: &mut Elements<'_>,

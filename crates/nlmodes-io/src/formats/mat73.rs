@@ -40,7 +40,7 @@ struct Contents {
     leaves: Vec<Leaf>,
     arrays: Vec<Array>,
     objects: Vec<String>,
-    /// Groups and data sets that have been looked into.
+    /// Groups and data sets already visited.
     count: usize,
 }
 
@@ -215,7 +215,7 @@ impl Mat<'_> {
         Ok(())
     }
 
-    /// Refuses a number that the file cannot mean, before memory is taken for it.
+    /// Rejects an impossible number before memory is allocated for it.
     fn at_most(&self, name: &str, what: &'static str, found: u64, limit: u64) -> Result<()> {
         if found <= limit {
             return Ok(());

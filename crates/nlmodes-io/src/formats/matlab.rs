@@ -65,7 +65,7 @@ fn is_version_4(start: &[u8]) -> bool {
     fits(u32::from_le_bytes) || fits(u32::from_be_bytes)
 }
 
-/// Which of the arrays is asked for, or the only one; `objects` are variables that cannot be looked into.
+/// The requested array, or the only one; `objects` are variables that cannot be read.
 pub(super) fn chosen(path: &Path, name: Option<&str>, known: &[Leaf], objects: &[String]) -> Result<usize> {
     let squares = known.iter().enumerate().filter(|(_, leaf)| leaf.is_square());
     let squares: Vec<usize> = squares.map(|(k, _)| k).collect();

@@ -145,8 +145,8 @@ impl Npz<'_> {
         builder.finish(order, None).map_err(|fault| ReadError::whole(self.path, fault.problem(|k| k.to_string())))
     }
 
-    /// The array `name`, with a header that a plain array has: the parser behind it recurses over brackets and
-    /// multiplies lengths unchecked.
+    /// The array `name`, with the header of a plain array: the parser after it recurses over brackets and multiplies
+    /// lengths unchecked.
     fn array<'a>(&self, archive: &'a mut Archive, name: &str) -> Result<NpyFile<impl Read + 'a>> {
         let mut known: Vec<String> = archive.array_names().map(str::to_owned).collect();
         if !known.iter().any(|found| found == name) {

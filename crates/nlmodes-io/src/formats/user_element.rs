@@ -1,6 +1,6 @@
-//! `*USER ELEMENT` with `*MATRIX, TYPE=STIFFNESS` and `TYPE=MASS`: what Abaqus writes with
-//! `*SUBSTRUCTURE MATRIX OUTPUT`. Each matrix is a triangle column by column, from the top to the diagonal; its nodes
-//! stand in comments below `** ELEMENT NODES` or in the lines of `*ELEMENT`, their directions below `*USER ELEMENT`.
+//! `*USER ELEMENT` with `*MATRIX, TYPE=STIFFNESS` and `TYPE=MASS`: what Abaqus writes with `*SUBSTRUCTURE MATRIX
+//! OUTPUT`. Each matrix is a triangle column by column, from the top to the diagonal; its nodes are in comments below
+//! `** ELEMENT NODES` or in the lines of `*ELEMENT`, their directions below `*USER ELEMENT`.
 
 use std::path::Path;
 
@@ -70,7 +70,7 @@ pub(super) fn read(path: &Path, name: Option<&str>) -> Result<MatrixData> {
 }
 
 impl Element {
-    /// Nodes below a comment that says `ELEMENT NODES`; whether more may follow.
+    /// Nodes below a comment with `ELEMENT NODES`; whether more may follow.
     fn comment(&mut self, line: &[u8], named: bool) -> bool {
         let text = line.trim_ascii_start().strip_prefix(b"**").unwrap_or_default().trim_ascii();
         if text.to_ascii_uppercase().starts_with(b"ELEMENT NODES") {

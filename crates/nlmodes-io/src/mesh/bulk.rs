@@ -182,7 +182,7 @@ impl Deck {
         for k in 0..corners {
             nodes.push(node(k).ok_or_else(|| wrong(shape.first + k))?);
         }
-        // Nodes in the middle of edges that are left out in part: the corners alone make the shape.
+        // Some midside nodes are omitted: the corner nodes alone define the shape.
         let middles: Option<Vec<u64>> = (corners..shape.most).map(node).collect();
         nodes.extend(middles.unwrap_or_default());
         let number = unsigned(card.field(0)).ok_or_else(|| wrong(0))?;
@@ -190,7 +190,7 @@ impl Deck {
         Ok(())
     }
 
-    /// Holds the directions whose digits stand in a field.
+    /// Fixes the directions whose digits are in a field.
     fn hold(&mut self, range: Range, directions: &[u8]) {
         let mut held = [false; 3];
         for axis in directions.iter().filter_map(|digit| digit.checked_sub(b'1')).filter(|axis| *axis < 3) {

@@ -123,7 +123,7 @@ impl Deck {
                 State::Other
             }
             "FREQUENCY" => {
-                // CalculiX turns its matrices only where it is asked to.
+                // CalculiX transforms its matrices only if requested.
                 self.mesh.matrices_are_transformed |= keyword.option("GLOBAL").as_deref() == Some("NO");
                 State::Other
             }

@@ -152,7 +152,7 @@ impl File {
         })
     }
 
-    /// Three coordinates, which may have parameters of the surface behind them.
+    /// Three coordinates, possibly followed by surface parameters.
     fn place(&self, fields: &[&[u8]]) -> Result<[f64; 3]> {
         let [x, y, z, ..] = fields else { return Err(self.lines.expected("three coordinates", self.lines.line())) };
         Ok([self.lines.real(x, "coordinate")?, self.lines.real(y, "coordinate")?, self.lines.real(z, "coordinate")?])

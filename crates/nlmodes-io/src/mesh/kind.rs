@@ -1,4 +1,4 @@
-/// Shapes of elements; where edges have nodes in their middle, these follow the corners.
+/// Shapes of elements; midside nodes follow the corner nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum ElementKind {
@@ -19,7 +19,7 @@ pub enum ElementKind {
 }
 
 impl ElementKind {
-    /// Number of corners.
+    /// Number of corner nodes.
     pub fn corners(self) -> usize {
         match self {
             Self::Line => 2,
@@ -66,7 +66,7 @@ impl ElementKind {
         }
     }
 
-    /// Nodes of a face of an element: its corners, then the middles of its edges if the element has them.
+    /// Nodes of a face of an element: its corner nodes, then its midside nodes, if any.
     pub fn face_nodes(self, face: &[usize], nodes: &[u32]) -> Vec<u32> {
         let mut found: Vec<u32> = face.iter().map(|corner| nodes[*corner]).collect();
         if nodes.len() == self.corners() + self.edges().len() {
@@ -110,8 +110,8 @@ mod tests {
     fn faces_look_outward_and_close_the_solid() {
         for (kind, volume) in SOLIDS {
             let places = corners(kind);
-            // Divergence theorem: a third of the flux of the position through triangles from the first corner of each
-            // face.
+            // Divergence theorem: a third of the flux of the position through triangles from the first corner node of
+            // each face.
             let mut sum = 0.0;
             for face in kind.faces() {
                 for k in 1..face.len() - 1 {

@@ -7,7 +7,7 @@ use super::{ElementKind, Mesh};
 pub struct SkinCell {
     /// [`ElementKind::Line`], [`ElementKind::Triangle`] or [`ElementKind::Quadrangle`].
     pub kind: ElementKind,
-    /// Indices of its nodes in the mesh: corners, then middles of edges.
+    /// Indices of its nodes in the mesh: corner nodes, then midside nodes.
     pub nodes: Vec<u32>,
 }
 
@@ -18,7 +18,7 @@ pub struct Skin {
     pub cells: Vec<SkinCell>,
 }
 
-/// The corners of a face in ascending order; triangles end in a number that no node has.
+/// The corner nodes of a face in ascending order; triangles end with a number that no node has.
 fn key(face: &[usize], nodes: &[u32]) -> [u32; 4] {
     let mut key = [u32::MAX; 4];
     face.iter().zip(&mut key).for_each(|(corner, at)| *at = nodes[*corner]);
@@ -32,7 +32,7 @@ impl Skin {
         Self::of_elements(mesh, |_| true)
     }
 
-    /// The skin of its solids alone, whose normals all look outward.
+    /// The skin of its solids alone, with all normals outward.
     pub fn of_solids(mesh: &Mesh) -> Self {
         Self::of_elements(mesh, ElementKind::is_solid)
     }
@@ -68,8 +68,8 @@ impl Skin {
         Self { cells }
     }
 
-    /// The volume that it encloses, m³ if the mesh's places are in m: a third of the flux of the position through its
-    /// faces, each of them between its corners.
+    /// The volume that it encloses, m³ if positions are in m: a third of the flux of the position through its faces,
+    /// each defined by its corner nodes.
     pub fn volume(&self, mesh: &Mesh) -> f64 {
         let corner = |cell: &SkinCell, k: usize| mesh.places[cell.nodes[k % cell.kind.corners()] as usize];
         let of = |cell: &SkinCell| -> f64 {
@@ -88,7 +88,7 @@ impl Skin {
         nodes
     }
 
-    /// Pairs of corners that its edges join, each once, the smaller index first.
+    /// Pairs of corner nodes connected by edges, each once, the smaller index first.
     pub fn edges(&self) -> Vec<[u32; 2]> {
         let of_cell = |cell: &SkinCell| {
             let ends = |edge: &[usize; 2]| [cell.nodes[edge[0]], cell.nodes[edge[1]]];
@@ -138,9 +138,9 @@ impl Skin {
         self.normals_of(mesh, |_| true)
     }
 
-    /// The same for nodes (by index) of a set: where faces lie in it with all of their corners, they alone count, so
-    /// that normals do not tilt at its edges toward faces beside it. Nodes of a set that holds no face, as of an edge,
-    /// have the mean of all faces around them.
+    /// The same for nodes (by index) of a set: if it contains complete faces (all of their corner nodes), only these
+    /// are used, so that normals at its edges are not tilted toward adjacent faces. Nodes of a set without a complete
+    /// face, such as an edge, have the mean of all adjacent faces.
     pub fn normals_within(&self, mesh: &Mesh, nodes: &[u32]) -> Vec<[f64; 3]> {
         let set: HashSet<u32> = nodes.iter().copied().collect();
         let inside = |cell: &SkinCell| cell.nodes[..cell.kind.corners()].iter().all(|node| set.contains(node));
@@ -160,7 +160,7 @@ impl Skin {
     }
 }
 
-/// Whether a face looks toward the middle of the element that it belongs to.
+/// Whether a face is oriented toward the interior of its element.
 fn looks_toward(face: &SkinCell, element: &[u32], mesh: &Mesh) -> bool {
     let mean = |nodes: &[u32], axis: usize| {
         nodes.iter().map(|n| mesh.places[*n as usize][axis]).sum::<f64>() / nodes.len() as f64
@@ -170,7 +170,7 @@ fn looks_toward(face: &SkinCell, element: &[u32], mesh: &Mesh) -> bool {
     (0..3).map(|axis| normal[axis] * out(axis)).sum::<f64>() < 0.0
 }
 
-/// A face that looks the other way: its corners, and the middles of its edges, in the other order.
+/// The reversed face: corner nodes and midside nodes in reverse order.
 fn turned(mut cell: SkinCell) -> SkinCell {
     let corners = cell.kind.corners();
     cell.nodes[1..corners].reverse();

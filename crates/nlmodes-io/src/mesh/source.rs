@@ -5,7 +5,7 @@ use crate::error::{Problem, ReadError, Result};
 use crate::keyword::Keyword;
 use crate::text::Lines;
 
-/// Where something stands: a deck and a line of it.
+/// A position: a deck and a line of it.
 pub(super) type Mention = (Rc<Path>, u64);
 
 /// Most decks that include each other.
@@ -104,7 +104,7 @@ impl Source {
         self.top().0.error(problem)
     }
 
-    /// This line is not what was expected.
+    /// Unexpected line.
     pub(super) fn expected(&self, expected: &str) -> ReadError {
         self.top().0.expected(expected, self.line())
     }

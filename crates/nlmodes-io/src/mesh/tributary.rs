@@ -6,12 +6,12 @@ use super::skin::{Skin, SkinCell, cell_area};
 use super::{ElementKind, Mesh};
 
 impl Skin {
-    /// The area that belongs to each node of a set, m² if the mesh's places are in m, as seen along the direction
-    /// beside it: force over it is the mean pressure around the node. Nodes are indices in the mesh.
+    /// The tributary area of each node of a set, m² if positions are in m, projected along the given direction: force
+    /// over it is the mean pressure around the node. Nodes are indices in the mesh.
     ///
-    /// Faces count that lie in the set with all of their corners and look along the direction of the node. A face with
-    /// nodes in the middle of its edges is divided into pieces between neighbouring nodes. A node without such a face,
-    /// as of an edge or of a single corner, has zero.
+    /// Only faces with all corner nodes in the set and oriented along the direction of the node are used. A face with
+    /// midside nodes is divided into parts between neighbouring nodes. A node without such a face, as on an edge or a
+    /// single corner node, has zero.
     pub fn tributary_areas(&self, mesh: &Mesh, nodes: &[(u32, [f64; 3])]) -> Vec<f64> {
         let place: HashMap<u32, usize> = nodes.iter().enumerate().map(|(k, (node, _))| (*node, k)).collect();
         let mut areas = vec![0.0; nodes.len()];
@@ -29,14 +29,14 @@ impl Skin {
     }
 }
 
-/// Share of a face that belongs to a corner, and to the middle of an edge.
+/// Share of a face for a corner node, and for a midside node.
 fn shares(cell: &SkinCell) -> [f64; 2] {
     let corners = cell.kind.corners();
     match cell.nodes.len() > corners {
         false => [1.0 / corners as f64, 0.0],
         // Four triangles, of which each has a quarter.
         true if corners == 3 => [1.0 / 12.0, 1.0 / 4.0],
-        // A triangle at each corner, an eighth, and the square between the middles.
+        // A triangle at each corner node, an eighth, and the square between the midside nodes.
         true => [1.0 / 24.0, 5.0 / 24.0],
     }
 }

@@ -23,7 +23,7 @@ use crate::mesh::{Expanded, Mesh};
 pub(super) struct Means {
     pub(super) labels: Vec<DofLabel>,
     pub(super) motion: Motion,
-    /// Numbers of nodes that stand for unknowns within elements, and the nodes from which they come.
+    /// Numbers of nodes that represent unknowns within elements, and the nodes from which they originate.
     pub(super) within: BTreeMap<u64, u64>,
     /// The next such number.
     next: u64,
@@ -37,7 +37,7 @@ enum Role {
     Mean,
     /// The first row is.
     First,
-    /// Some are eliminated: what is left does not tell how the node moves.
+    /// Some are eliminated: the rest does not determine the motion of the node.
     Within,
 }
 
@@ -106,7 +106,7 @@ impl Means {
     }
 }
 
-/// Labels that come twice without a deck that says why.
+/// Duplicate labels without an explanation in the deck.
 fn refused(files: &FeFiles, table: &LabelTable, mesh: Option<&Mesh>) -> ReadError {
     let path = files.dofs.as_deref().unwrap_or(&files.stiffness.path);
     let Some(repeated) = table.repeated else {

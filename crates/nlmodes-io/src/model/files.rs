@@ -25,11 +25,11 @@ pub struct FeFiles {
     pub dofs: Option<PathBuf>,
     /// Mesh with places, sets and elements.
     pub mesh: Option<PathBuf>,
-    /// Format of the matrices, where the endings of their names do not say it.
+    /// Format of the matrices, if not given by their file extensions.
     pub format: Option<Format>,
     /// Units of all files.
     pub units: UnitSystem,
-    /// Nodes that the files leave free and that are to be held.
+    /// Nodes that are free in the files and are to be fixed.
     pub fixed: Vec<NodeChoice>,
 }
 

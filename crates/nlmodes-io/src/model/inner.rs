@@ -2,8 +2,8 @@
 
 use super::FeModel;
 
-/// A node answers displacements of all others by at least this share of its own stiffness. What is within an element
-/// answers them by nothing but for distortion, a node before a support by some half.
+/// Displacements of all other nodes act on a node with at least this fraction of its own stiffness. On unknowns within
+/// an element they act only through distortion, on a node next to a support with about half.
 const ANSWERS: f64 = 0.2;
 
 impl FeModel {

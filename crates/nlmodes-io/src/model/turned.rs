@@ -42,7 +42,7 @@ pub(super) fn motion(
     Ok(any.then_some(motion))
 }
 
-/// Matrices along the directions of `*TRANSFORM`: those of CalculiX have them only where it is asked to.
+/// Matrices along the directions of `*TRANSFORM`: those of CalculiX only if requested.
 pub(super) fn check(files: &FeFiles, format: Format, labels: &[DofLabel], mesh: &Mesh) -> Result<()> {
     if format == Format::Calculix && !mesh.matrices_are_transformed {
         return Ok(());

@@ -1,4 +1,4 @@
-//! Grid points and the coordinate systems in which they stand.
+//! Grid points and their coordinate systems.
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -104,7 +104,7 @@ impl Points {
         let number = number(path, card, 0)?;
         let grid = Grid {
             line: card.line,
-            // The default of all grid points may stand behind them: it is put in at the end.
+            // The default of all grid points may follow them: it is inserted at the end.
             system: optional(path, card, 1)?.unwrap_or(u64::MAX),
             place: vector(path, card, 2)?,
             directions: whole(path, card, 5)?.unwrap_or(i64::MAX),
@@ -313,7 +313,7 @@ fn number(path: &Path, card: &BulkCard, k: usize) -> Result<u64> {
     })
 }
 
-/// A system, where the field says one.
+/// A system, if the field has one.
 fn optional(path: &Path, card: &BulkCard, k: usize) -> Result<Option<u64>> {
     if card.field(k).is_empty() {
         return Ok(None);
@@ -368,8 +368,8 @@ mod tests {
         assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-14), "{found:?} {expected:?}");
     }
 
-    /// A cylinder about the global y axis, which stands in a system that is moved along x; a point on it, and one that
-    /// has its directions.
+    /// A cylinder about the global y axis, in a system that is displaced along x; a point on it, and one that has its
+    /// directions.
     #[test]
     fn places_and_directions_of_curved_systems_are_along_the_basic_axes() {
         let found = located(

@@ -13,7 +13,7 @@ pub fn fixture(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures").join(name)
 }
 
-/// Reads a file as the format that its name says.
+/// Reads a file in the format given by its name.
 pub fn read(path: &Path, name: Option<&str>, order: Option<usize>) -> nlmodes_io::Result<MatrixData> {
     let address = Address { path: path.to_owned(), name: name.map(str::to_owned) };
     read_matrix(&address, Format::of(&address)?, order)

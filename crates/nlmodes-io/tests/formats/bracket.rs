@@ -80,7 +80,7 @@ fn the_skin_encloses_the_volume() {
             let v: [f64; 3] = std::array::from_fn(|k| c[k] - a[k]);
             let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
             volume += (0..3).map(|k| a[k] * n[k]).sum::<f64>() / 6.0;
-            // Middles of edges stand in the middle: the order of the nodes is right.
+            // Midside nodes are at the midpoints: the order of the nodes is correct.
             for edge in 0..3 {
                 let (p, q) = (mesh.places[cell.nodes[edge] as usize], mesh.places[cell.nodes[(edge + 1) % 3] as usize]);
                 let middle = mesh.places[cell.nodes[3 + edge] as usize];

@@ -9,7 +9,7 @@ use nlmodes_io::{
 
 use crate::bracket;
 
-/// Two faces of two nodes that face each other along x, in mm; node 9 is held along x.
+/// Two faces of two nodes that face each other along x, in mm; node 9 is fixed along x.
 const LABELS: &str = "1,1,ux\n2,1,uy\n3,1,uz\n4,2,ux\n5,2,uy\n6,2,uz\n7,5,ux\n8,5,uy\n9,6,ux\n10,9,uy\n11,9,uz\n";
 const DECK: &str = "*NODE\n1,0,0,0\n2,0,1,0\n5,3,0,0.001\n6,3,1,0\n9,9,9,9\n*NSET,NSET=A\n1,2\n*NSET,NSET=B\n5,6\n";
 

@@ -59,7 +59,7 @@ fn a_node_moves_as_the_mean_of_those_that_come_of_it() {
     assert_eq!(model.nodes_without_place().len(), 3);
 }
 
-/// All that comes of a node is held with it, and none of it moves with a base.
+/// Everything derived from a node is fixed with it, and none of it moves with a base.
 #[test]
 fn a_node_is_held_with_all_that_comes_of_it() {
     let directory = tempfile::tempdir().unwrap();

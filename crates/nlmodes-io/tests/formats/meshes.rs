@@ -1,4 +1,4 @@
-//! Small meshes of which everything is known.
+//! Small meshes with known properties.
 
 use std::fs;
 use std::path::PathBuf;
@@ -79,7 +79,7 @@ fn the_face_between_two_bricks_is_no_skin() {
     assert_eq!(skin.sharp_edges(&mesh, 2.0).len(), 0);
     let normals = skin.normals(&mesh);
     let at = |number: u64| normals[mesh.index_of(number).unwrap()];
-    // Each corner has a quarter of each unit face that it touches.
+    // Each corner node has a quarter of each adjacent unit face.
     assert_eq!(at(12), [0.25, 0.25, 0.25]);
     assert_eq!(at(1), [-0.25, -0.25, -0.25]);
     assert_eq!(at(7), [0.0, 0.5, 0.5]);
@@ -128,18 +128,18 @@ fn the_area_of_a_face_is_that_of_its_nodes_together_as_seen_along_their_directio
     };
     let end = mesh.node_set("END").unwrap();
     assert_eq!(areas(end, [1.0, 0.0, 0.0]), [0.25; 4]);
-    // A wall that stands oblique before it sees less of it, one behind it nothing; an edge is no face.
+    // An oblique wall has a smaller projected area, one behind it none; an edge is not a face.
     assert_eq!(areas(end, [0.6, 0.8, 0.0]), [0.6 * 0.25; 4]);
     assert_eq!(areas(end, [-1.0, 0.0, 0.0]), [0.0; 4]);
     assert_eq!(areas(&end[..2], [1.0, 0.0, 0.0]), [0.0; 2]);
-    // All around the box: along x its two ends, along z top and bottom, of which each has two unit squares.
+    // All around the box: along x its two ends, along z top and bottom, each with two unit squares.
     let all: Vec<u64> = (1..=12).collect();
     let sum = |direction| areas(&all, direction).iter().sum::<f64>();
     assert_eq!([sum([1.0, 0.0, 0.0]), sum([0.0, 0.0, 1.0])], [1.0, 2.0]);
 }
 
-/// A tetrahedron with ten nodes and a brick with twenty, each over a face in the plane z = 0, of area 1/2 and 1, that
-/// looks down.
+/// A tetrahedron with ten nodes and a brick with twenty, each over a face in the plane z = 0, of area 1/2 and 1,
+/// oriented downward.
 #[test]
 fn nodes_in_the_middle_of_edges_have_the_pieces_around_them() {
     let triangle = "1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n4, 0, 0, 1\n5, 0.5, 0, 0\n6, 0.5, 0.5, 0\n7, 0, 0.5, 0\n\
@@ -243,7 +243,7 @@ fn included_decks_are_read_where_they_stand() {
     fs::write(&path, format!("*INCLUDE, INPUT=parts/nodes.inp\n{tail}")).unwrap();
     let split = Mesh::read(&path).unwrap();
     assert_eq!(split, mesh("x.inp", TWO_BRICKS).unwrap());
-    // With a comma the keyword goes on in the next line, of which there is none.
+    // With a comma the keyword continues on the next line, which does not exist.
     for line in ["*INCLUDE, INPUT=x.inp\n", "*INCLUDE, INPUT=x.inp,\n"] {
         fs::write(&path, line).unwrap();
         let circle = Mesh::read(&path).unwrap_err().to_string();

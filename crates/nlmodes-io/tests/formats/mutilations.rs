@@ -1,4 +1,4 @@
-//! Damaged files: each is refused with the file, the line or part, and what was expected.
+//! Damaged files: each is rejected with the file, the line or part, and the expected contents.
 
 mod matrices;
 mod meshes;
@@ -7,14 +7,14 @@ mod packed;
 use std::fs;
 use std::path::Path;
 
-/// One way to damage a text, and what the message says.
+/// One way to damage a text, and the message.
 struct Damage {
     what: &'static str,
     text: String,
     says: String,
 }
 
-/// The text with line `line` (from 1) replaced; an empty one is taken out.
+/// The text with line `line` (from 1) replaced; an empty one is removed.
 fn line(text: &str, line: usize, new: &str) -> String {
     let mut lines: Vec<&str> = text.lines().collect();
     if new.is_empty() {

@@ -15,7 +15,7 @@ fn written(directory: &Path, name: &str, text: &str) -> PathBuf {
     path
 }
 
-/// The sample between commas, a column a card, with marks of the lines that go on.
+/// The sample in comma-separated form, one card per column, with continuation marks.
 fn free(name: &str, lower: &[Entry], long: bool) -> String {
     let star = if long { "*" } else { "" };
     let mut text = format!("DMIG,{name},0,6,2,0,,,{N}\n");
@@ -86,8 +86,8 @@ fn a_punch_without_matrices_says_where_they_are() {
     assert!(message.contains("the file includes `model.pch`"), "{message}");
 }
 
-/// A node with directions along a cylinder: its stiffness along the global axes is the turned one, and the mass of three
-/// equal rows stays what it is.
+/// A node with directions along a cylinder: its stiffness along the global axes is the rotated one, and the mass of
+/// three equal rows is unchanged.
 #[test]
 fn directions_of_grid_points_are_turned_into_the_global_ones() {
     let directory = tempfile::tempdir().unwrap();
@@ -120,7 +120,7 @@ fn directions_of_grid_points_are_turned_into_the_global_ones() {
     assert!(model.mass_along_axes().iter().all(|mass| (mass - 2.0).abs() < 1e-14));
     let place = model.place_of(5).unwrap();
     assert!((place[0] - (1.0 + 2.0 * c)).abs() < 1e-14 && (place[1] - 2.0 * s).abs() < 1e-14);
-    // Without the system, or with a direction that the reduction left out, nobody knows.
+    // Without the system, or with a direction that the reduction left out, it is unknown.
     for (text, says) in [
         (
             format!("{}{}{grid}", matrix("KAAX", &k), matrix("MAAX", &m)).replace("GRID,5,3", "GRID,5,0"),

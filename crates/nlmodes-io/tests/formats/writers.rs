@@ -50,7 +50,7 @@ pub fn matrix_market(lower: &[Entry]) -> String {
     )
 }
 
-/// Abaqus: one triangle, with a held degree of freedom in front.
+/// Abaqus: one triangle, with a fixed degree of freedom first.
 pub fn abaqus(lower: &[Entry], held: bool) -> String {
     let mut text = String::from("** MATRIX INPUT\n");
     if held {
@@ -106,7 +106,7 @@ pub fn dmig(name: &str, lower: &[Entry]) -> String {
     text
 }
 
-/// Nastran: fields of eight characters, exponents without a letter; the first entry stands in the line of the column.
+/// Nastran: fields of eight characters, exponents without a letter; the first entry is in the line of the column.
 pub fn dmig_short(name: &str, lower: &[Entry]) -> String {
     let mut text = format!("DMIG    {name:<8}{:>8}{:>8}{:>8}{:>8}\n", 0, 6, 1, 0);
     for j in 0..N {

@@ -51,7 +51,7 @@ pub fn write(
     contacts.render()?.styled(&style).write(directory.join("contacts.svg"))?;
     participation(directory, scene, &branches, &found.iter().map(Vec::as_slice).collect::<Vec<_>>())?;
     let (clamped, stops) = (held_ends(scene, computed), stops::lines(computed));
-    // A structure in open modes moves in modal coordinates, which are nowhere.
+    // A structure in free-interface modes has modal coordinates, which have no position.
     for (k, point) in motions.iter().enumerate().filter(|_| !scene.is_in_open_modes()) {
         let figure = match MotionFigure::new(branch, *point).clamped_at(&clamped).stops(&stops).render() {
             // One unknown has no shape.
@@ -88,7 +88,7 @@ pub fn participation(
     Ok(figure.styled(&style_of(&scene.files)).write(directory.join("participation.svg"))?)
 }
 
-/// Ends of the structure at which the direction of the first contact is held.
+/// Ends of the structure that are fixed in the direction of the first contact.
 pub fn held_ends(scene: &Scene, computed: &ComputedBranch) -> Vec<f64> {
     let coordinates = &computed.branch.coordinates;
     let Some(contact) = computed.branch.contact_coordinate.map(|i| &coordinates[i]) else { return Vec::new() };

@@ -15,7 +15,7 @@ use crate::overlay::{
 /// Other results and their differences from the first branch.
 pub struct Overlaid {
     compared: Vec<Compared>,
-    /// Name of the first branch, where there are others beside it.
+    /// Name of the first branch, if there are others.
     first: String,
     /// Names of its stops.
     stops: Vec<String>,
@@ -82,7 +82,7 @@ impl Overlaid {
         self.compared.iter().map(|one| &one.laid.branch)
     }
 
-    /// Numbers of those without lines, where they stand behind `before` others.
+    /// Numbers of those without lines, after `before` others.
     pub fn scattered(&self, before: usize) -> Vec<usize> {
         let all = self.compared.iter().enumerate();
         all.filter(|(_, one)| one.laid.is_scattered).map(|(number, _)| before + number).collect()

@@ -1,4 +1,5 @@
-//! What `summary.json` says of open modes, of the contacts of a structure from files, and of the motion that is shown.
+//! Entries of `summary.json` for free-interface modes, for the contacts of a structure from files, and for the motion
+//! shown.
 
 use std::f64::consts::TAU;
 
@@ -8,7 +9,7 @@ use nlmodes_scene::assemble::OpenStructure;
 use nlmodes_scene::scene::Scene;
 use serde::Serialize;
 
-/// The reduction by open modes.
+/// The reduction to free-interface modes.
 #[derive(Serialize)]
 pub struct Reduction {
     kind: &'static str,

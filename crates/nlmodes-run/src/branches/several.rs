@@ -166,7 +166,7 @@ fn write(files: &[SceneFile], parts: &[PartOutcome], rows: Vec<Branch>, laid: &[
     Ok(methods.lines())
 }
 
-/// The common figures and the page, as far as they are asked for.
+/// The common figures and the page, as requested.
 fn write_figures(
     files: &[SceneFile],
     first: &PartOutcome,

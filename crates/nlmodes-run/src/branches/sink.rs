@@ -31,7 +31,7 @@ pub struct Sink<'a> {
     computing: Rc<Cell<bool>>,
     /// Why a point could not be written.
     pub failure: Option<ReportError>,
-    /// Who is told, and may ask for an end.
+    /// The observer, which may request the end.
     pub observer: &'a mut dyn Observer,
 }
 
@@ -70,7 +70,7 @@ impl<'a> Sink<'a> {
         if self.observer.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
-    /// Writes the table of the first branch anew, beginning with these points.
+    /// Rewrites the table of the first branch, beginning with these points.
     pub fn begin_again<'p>(&mut self, points: impl Iterator<Item = &'p ModalPoint>) {
         let again = || -> Result<Vec<BranchWriter>, ReportError> {
             let mut writer = BranchWriter::create_hidden(self.directory.join("branch.csv"))?;

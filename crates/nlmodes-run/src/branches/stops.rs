@@ -21,10 +21,10 @@ pub fn lines(computed: &ComputedBranch) -> Vec<StopLine> {
     computed.structure.model().contacts().iter().filter_map(line).collect()
 }
 
-/// `stop 0 at 0.63 m`, and its side where others stand at the same place.
+/// `stop 0 at 0.63 m`, and its side if there are others at the same position.
 pub fn names(computed: &ComputedBranch) -> Vec<String> {
     let all = lines(computed);
-    // A structure in open modes has contacts that are nowhere along an axis.
+    // Contacts of a structure in free-interface modes have no position along an axis.
     if computed.branch.coordinates.iter().any(|coordinate| !AXIAL.contains(&coordinate.kind.as_str())) {
         return (0..computed.structure.n_contacts()).map(|number| format!("stop {number}")).collect();
     }

@@ -8,7 +8,7 @@ use super::{Check, Worst, listed};
 const NAME: &str = "contact law";
 /// Contact problems are solved to 1e-10; the motion adds the rounding of its series.
 const LIMIT: f64 = 1e-8;
-/// Instants of a period, beside those at which contacts close and open.
+/// Instants per period, in addition to those at which contacts close and open.
 const SAMPLES: usize = 256;
 
 /// Largest of `|min(λ/λ_max, g/q_max)|` over all contacts and a period.

@@ -15,8 +15,8 @@ const OF: Option<Number> = Some(Number::Displacement);
 const LIMIT: f64 = 5e-2;
 /// Instants of a period.
 const SAMPLES: usize = 64;
-/// Largest structures whose exact motions are looked at, degrees of freedom, if not all is asked for and if it is: all
-/// modes of the open structure are computed.
+/// Largest structures, in degrees of freedom, whose exact motions are checked, by default and with `--certify`: all
+/// free-interface modes are computed.
 const LARGEST: [usize; 2] = [120, 400];
 
 /// Largest less smallest energy over a period, over the mean.

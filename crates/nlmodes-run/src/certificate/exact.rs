@@ -73,8 +73,8 @@ pub fn checks(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>,
     checks
 }
 
-/// Relative differences to the numbers of the exact motion, in the order in which they are compared; none of forces
-/// where no stop is touched.
+/// Relative differences to the numbers of the exact motion, in the order in which they are compared; none for forces
+/// without contact.
 fn beside(found: &Found, point: &ModalPoint, [small_force, small_impulse]: [f64; 2]) -> Option<[Option<f64>; 3]> {
     let motion = &found.exact.as_ref()?.as_ref().ok()?.motion;
     let exact = motion.trajectory.contact_periods(point.contacts.len());

@@ -1,4 +1,4 @@
-//! The linear frequency beside that of the next finer mesh, and with the mass of the contacts.
+//! The linear frequency compared with that of the next finer mesh, and with the mass of the contacts.
 
 use nlmodes::model::{MassShift, linear_modes};
 use nlmodes_scene::assemble::element_model;

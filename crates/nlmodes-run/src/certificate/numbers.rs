@@ -1,10 +1,10 @@
-//! The numbers of a branch, and what the checks say of each.
+//! The numbers of a branch, and the verdicts on them.
 
 use serde::Serialize;
 
 use super::{Check, CheckOutcome, Place, named, share};
 
-/// A number of the results, or several that stand and fall together.
+/// A number of the results, or several with a common verdict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Number {
     /// The nonlinear modal frequency.
@@ -60,11 +60,11 @@ impl Number {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Use {
-    /// What could change it was looked at, and does so within its limit.
+    /// Everything that could change it was checked, and is within its limit.
     Yes,
     /// A check speaks against it.
     No,
-    /// What harmonics leave out was not looked at.
+    /// The truncation of harmonics was not checked.
     NotShown,
 }
 
@@ -87,7 +87,7 @@ pub struct NumberUse {
     /// Whether to use it.
     #[serde(rename = "use")]
     pub usable: Use,
-    /// The largest relative change that a check found; none where none was looked for.
+    /// The largest relative change found by a check; none without a check.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub largest_change: Option<f64>,
     /// Why, and what to do.
@@ -95,7 +95,7 @@ pub struct NumberUse {
 }
 
 impl NumberUse {
-    /// What the checks say of it.
+    /// Its verdict.
     pub(super) fn new(number: Number, checks: &[Check]) -> Self {
         let speaks = |check: &&Check| check.number.is_none_or(|n| n == number);
         let own = |check: &&Check| check.number == Some(number);
@@ -145,7 +145,7 @@ fn place(check: &Check) -> String {
         .map_or_else(String::new, |place| format!(" at point {} ({} Hz{})", place.point, place.hertz(), energy(&place)))
 }
 
-/// What to use instead of a largest force, by what the same checks say of impulses.
+/// What to use instead of a largest force, depending on the verdict on impulses.
 fn instead(number: Number, checks: &[Check]) -> &'static str {
     if number != Number::PeakForce {
         return "";

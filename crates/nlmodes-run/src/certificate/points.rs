@@ -1,4 +1,4 @@
-//! Which points were looked at, and which of them not to believe.
+//! The points checked, and those that did not pass.
 
 use std::f64::consts::TAU;
 
@@ -48,7 +48,7 @@ pub(super) fn range(places: &[Place]) -> String {
     ends.map_or_else(String::new, |(low, high)| format!(" ({} to {} Hz)", low.hertz(), high.hertz()))
 }
 
-/// A number with so many digits behind the first.
+/// A number with this many digits after the first.
 fn digits(x: f64, behind: usize) -> String {
     nlmodes_scene::number(format!("{x:.behind$e}").parse().unwrap_or(x))
 }
@@ -70,11 +70,11 @@ pub struct PointInDoubt {
     /// The point.
     #[serde(flatten)]
     pub place: Place,
-    /// Names of the checks, with the number of which each speaks: `harmonics (impulse of each contact)`.
+    /// Names of the checks, with the number to which each applies: `harmonics (impulse of each contact)`.
     pub against: Vec<String>,
 }
 
-/// The points at which any check looked, ascending.
+/// The points of all checks, ascending.
 pub(super) fn looked_at(checks: &[Check], all: &[Place]) -> Vec<Place> {
     of_all(checks.iter().flat_map(|check| check.looked.iter().copied()), all)
 }
@@ -107,7 +107,7 @@ fn name(check: &Check, point: usize) -> String {
         .map_or_else(|| check.name.to_owned(), |number: Number| format!("{} ({})", check.name, number.meaning()))
 }
 
-/// What is known of the points, behind a verdict; nothing where no check took a point and none failed.
+/// Statement on the points, after a verdict; empty without point-wise checks and failures.
 pub(super) fn sentence(all: usize, looked: &[Place], doubted: &[PointInDoubt]) -> String {
     let failed: Vec<Place> = doubted.iter().map(|doubt| doubt.place).collect();
     let not_passed = if failed.is_empty() { String::new() } else { format!(", {} did not pass", named(&failed)) };

@@ -15,7 +15,7 @@ impl CheckOutcome {
     }
 }
 
-/// What to use, and what it was judged by, of the branch of this name; without a name where it is the only one.
+/// What to use, and the reasons, for the branch of this name; without a name if it is the only one.
 ///
 /// `branch` is its number on the page, from 0, where its points can be chosen there.
 pub fn tables(certificate: &Certificate, name: Option<&str>, branch: Option<usize>) -> [DataTable; 3] {

@@ -6,7 +6,7 @@ use nlmodes::branches::{BranchSettings, BranchStart, ComputedBranch, compute_bra
 use super::*;
 use crate::settings::branch_settings;
 
-/// A rod before a stop with so many elements and harmonics, its lengths in `length` m and its masses in `mass` kg.
+/// A rod with a stop, with this many elements and harmonics, its lengths in `length` m and its masses in `mass` kg.
 fn scene(elements: usize, harmonics: usize, [length, mass]: [f64; 2]) -> Scene {
     let (e, density, area) = (210e9 * length / mass, 7800.0 * length.powi(3) / mass, 1e-4 / length.powi(2));
     let text = format!(
@@ -165,8 +165,7 @@ fn a_force_that_pulls_and_a_gap_that_is_negative_break_the_contact_law() {
     assert!(contacts::violation(&computed, strongest, &through) > 0.05);
 }
 
-/// Where a check speaks against the largest force only, the impulse is what is left to use; where none was made,
-/// nothing is said of it.
+/// If a check fails for the largest force only, the impulse can be used; if none was made, it is not mentioned.
 #[test]
 fn the_impulse_is_recommended_only_where_it_is_good() {
     let check = |number: Number, value: f64| Check::found("harmonics", Some(number), value, number.limit(), "");
@@ -205,17 +204,17 @@ fn the_points_that_did_not_pass_are_named_and_so_is_how_many_were_looked_at() {
     let looked = poor.points.len();
     let said = if looked == all { format!("all {all} points") } else { format!("{looked} of {all} points") };
     assert!(poor.verdict.contains(&said) && poor.verdict.contains("did not pass"), "{}", poor.verdict);
-    // The head of the page says the same of the numbers, and nothing where none is refused.
+    // The head of the page has the same verdicts, and nothing if no number is rejected.
     let warning = poor.not_to_use(Some("the coarse one")).unwrap();
     assert!(warning.starts_with("Do not use of the coarse one: ") && warning.contains(force.meaning()), "{warning}");
     assert_eq!(Certificate { numbers: vec![], ..poor.clone() }.not_to_use(None), None);
-    // Of what nothing speaks for it says how that can be had, where it can.
+    // For numbers not shown it states how to have them checked, if possible.
     let quick = Certificate::of(&computed, Sources { thorough: false, ..sources }, &mut |_, _, _| true);
     let open = quick.open(None).unwrap();
     let number = quick.numbers.iter().find(|number| number.usable == Use::NotShown).unwrap();
     assert!(open.contains(number.number.meaning()) && open.ends_with("; `run --certify` looks at them."), "{open}");
     assert!(poor.open(None).is_none_or(|open| !open.contains("--certify")), "{:?}", poor.open(None));
-    // Whoever looks on may end it: what was not looked at says so.
+    // The observer may end it: checks that were not made state this.
     let ended = Certificate::of(&computed, sources, &mut |_, _, _| false);
     assert_eq!(check(&ended, "harmonics", Number::Frequency).outcome, CheckOutcome::NotLookedAt);
 }
@@ -242,7 +241,7 @@ fn whoever_watches_ends_a_check_within_its_points() {
     let computed = branch(&scene, BranchStart::Grazing);
     let watch = Watch::new(|_, _| ControlFlow::Break(()));
     let sources = Sources { scene: &scene, open: None, shift: None, thorough: true, watch: &watch };
-    // Between points nobody ends it.
+    // There is no cancellation between points.
     let ended = Certificate::of(&computed, sources, &mut |_, _, _| true);
     for (name, number) in [("harmonics", Number::Frequency), ("return after a period", Number::Displacement)] {
         let check = check(&ended, name, number);

@@ -12,7 +12,7 @@ pub fn written_key(key: &str, document: Option<&Document>) -> String {
     let table = LISTS.iter().find(|(name, _)| *name == list).map_or(list, |(_, table)| table);
     let name = rest.rsplit('.').next().unwrap_or_default();
     let item = rest.split('.').next().filter(|part| part.parse::<usize>().is_ok());
-    // Behind the name stands its unit, and tables may lie between.
+    // The name is followed by its unit, and there may be tables in between.
     let is_meant = |written: &&str| {
         let mut parts = written.split('.');
         let last = written.rsplit('.').next().unwrap_or_default();

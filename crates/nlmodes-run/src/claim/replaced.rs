@@ -1,5 +1,5 @@
-//! What calls of their own made of results, which a run replaces or removes: certificates of `run --certify`, figures
-//! as PDF and PNG.
+//! Files derived from results by other calls, which a run replaces or removes: verification reports of `run --certify`,
+//! figures as PDF and PNG.
 
 use std::fs;
 use std::path::Path;
@@ -18,7 +18,7 @@ pub struct Replaced {
 }
 
 impl Replaced {
-    /// What there is in a directory and so many levels of folders below it.
+    /// Contents of a directory and this many levels of folders below it.
     pub fn below(directory: &Path, depth: usize) -> Self {
         let entries = || fs::read_dir(directory).into_iter().flatten().flatten();
         let is_folder = |entry: &fs::DirEntry| entry.file_type().is_ok_and(|kind| kind.is_dir());
@@ -32,7 +32,7 @@ impl Replaced {
     }
 }
 
-/// Thorough certificates in the summary of a directory.
+/// Complete verification reports in the summary of a directory.
 fn thorough(directory: &Path) -> usize {
     let summary: Value = fs::read(directory.join("summary.json"))
         .ok()

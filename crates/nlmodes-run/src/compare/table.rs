@@ -8,7 +8,7 @@ use nlmodes::modal::BranchEnd;
 
 use super::difference::Difference;
 
-/// A contact solver and what became of it.
+/// A contact solver and its outcome.
 #[derive(Debug)]
 pub struct Row {
     /// Its name.

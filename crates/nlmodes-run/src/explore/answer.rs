@@ -69,7 +69,7 @@ pub struct Explorer {
 }
 
 impl Explorer {
-    /// Of the scene with this text, the first method of which is `file`, on this port.
+    /// For the scene with this text, whose first method is `file`, on this port.
     ///
     /// # Errors
     /// If the system gives no random number.
@@ -173,7 +173,7 @@ impl Explorer {
     }
 }
 
-/// Whether two texts are the same, in a time that does not tell where they differ.
+/// Constant-time comparison of two texts.
 fn is_same(found: &str, wanted: &str) -> bool {
     found.len() == wanted.len()
         && found.bytes().zip(wanted.bytes()).fold(0, |different, (a, b)| different | (a ^ b)) == 0

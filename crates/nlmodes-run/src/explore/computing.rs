@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use nlmodes::branches::Watch;
 
-/// Whoever computes next ends who computes now.
+/// A new computation ends the current one.
 #[derive(Default)]
 pub struct Computing {
     /// Number of the newest.
@@ -15,11 +15,10 @@ pub struct Computing {
 }
 
 impl Computing {
-    /// Ends what is computed now, waits until it has ended, and computes; nothing where somebody newer has come
-    /// meanwhile.
+    /// Ends the current computation, waits for its end, and computes; `None` if a newer request has arrived meanwhile.
     pub fn newest<T>(&self, work: impl FnOnce(Watch) -> T) -> Option<T> {
         let own = self.newest.fetch_add(1, Ordering::SeqCst) + 1;
-        // Whoever panicked there has left nothing behind.
+        // A panic there leaves no inconsistent state.
         let _at_work = self.at_work.lock().unwrap_or_else(PoisonError::into_inner);
         if self.newest.load(Ordering::SeqCst) != own {
             return None;

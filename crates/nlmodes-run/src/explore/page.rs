@@ -32,7 +32,7 @@ impl Page {
         Ok(Self { server, explorer: Arc::new(explorer) })
     }
 
-    /// The address of the page, for a browser on this machine; nobody without it gets an answer.
+    /// The address of the page, for a browser on this machine; requests without it are not answered.
     pub fn address(&self) -> String {
         self.explorer.address()
     }
@@ -42,7 +42,7 @@ impl Page {
         self.server.serve(&self.explorer);
     }
 
-    /// Lets [`Page::serve`] return; what is computed for a request goes on to its answer.
+    /// Makes [`Page::serve`] return; a request in progress is completed.
     pub fn end(&self) {
         self.server.end();
     }

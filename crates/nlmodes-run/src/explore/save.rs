@@ -1,4 +1,4 @@
-//! A scene with other values: the text as it was, but for these.
+//! A scene with other values: the original text except for these.
 
 use std::collections::BTreeMap;
 use std::fs::OpenOptions;
@@ -6,15 +6,15 @@ use std::io::{ErrorKind, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// Most scenes that are saved beside one.
+/// Maximum number of scenes saved beside one.
 const MOST: usize = 1000;
 
-/// A number as it stands in a scene: whole ones without a point.
+/// A number as in a scene: integers without a decimal point.
 pub fn number(value: f64) -> String {
     if value.fract() == 0.0 && value.abs() < 1e9 { format!("{value:.0}") } else { nlmodes_scene::number(value) }
 }
 
-/// Writes the text with these values beside the scene, under a name that is free.
+/// Writes the text with these values beside the scene, under an unused name.
 pub fn save(path: &Path, text: &str, values: &BTreeMap<String, f64>) -> Result<PathBuf, String> {
     let changed = with_values(path, text, values)?;
     let stem = path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
@@ -32,7 +32,7 @@ pub fn save(path: &Path, text: &str, values: &BTreeMap<String, f64>) -> Result<P
     Err(format!("{MOST} scenes were saved beside {} already", path.display()))
 }
 
-/// The text in which the values of these keys are replaced where they stand.
+/// The text with the values of these keys replaced in place.
 fn with_values(path: &Path, text: &str, values: &BTreeMap<String, f64>) -> Result<String, String> {
     let files = nlmodes_scene::parse_each_method(&path.display().to_string(), text, &[]);
     let file = files.map_err(|refused| refused.text(false))?.into_iter().next().ok_or("there is no scene")?;
@@ -41,7 +41,7 @@ fn with_values(path: &Path, text: &str, values: &BTreeMap<String, f64>) -> Resul
         let place = file.document.place(key).ok_or_else(|| format!("`{key}` does not stand in the scene"))?;
         places.push((place.value.clone(), file.document.in_written_unit(key, *value)));
     }
-    // From behind, so that places stay where they are.
+    // From the end, so that positions remain valid.
     places.sort_by_key(|(place, _)| std::cmp::Reverse(place.start));
     let mut changed = text.to_owned();
     for (place, value) in places {

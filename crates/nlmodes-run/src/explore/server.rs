@@ -76,6 +76,6 @@ fn answer(explorer: &Explorer, mut request: Request) {
     for header in headers.iter().filter_map(|(name, value)| Header::from_bytes(*name, *value).ok()) {
         response.add_header(header);
     }
-    // Whoever asked may have gone.
+    // The client may have disconnected.
     drop(request.respond(response));
 }

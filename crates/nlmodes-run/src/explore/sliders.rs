@@ -42,7 +42,7 @@ impl Slider {
     }
 }
 
-/// The sliders of a scene: values that stand in its file.
+/// The sliders of a scene: values in its file.
 pub fn sliders(file: &SceneFile) -> Vec<Slider> {
     let mut found = Vec::new();
     for number in 0..file.scene.n_contact_tables() {
@@ -97,7 +97,7 @@ fn loads(file: &SceneFile) -> Vec<Slider> {
     keys.into_iter().filter_map(slider).collect()
 }
 
-/// The number that stands at a key.
+/// The number of a key.
 fn written(file: &SceneFile, key: &str) -> Option<f64> {
     let place = file.document.place(key)?;
     let (source, range) = file.document.sources().locate(&place.value);
@@ -127,7 +127,7 @@ fn whole(file: &SceneFile, key: &str, label: &str, high: f64) -> Option<Slider> 
     Some(Slider { key: key.to_owned(), label: label.to_owned(), unit: "", kind: Kind::Whole, ends, value })
 }
 
-/// Nodes of an even mesh at which a stop may stand; none of others.
+/// Nodes of a uniform mesh at which a stop may be; none for other meshes.
 fn place(file: &SceneFile, key: &str, label: String) -> Option<Slider> {
     let structure = file.scene.structure.straight().filter(|structure| structure.grading == 1.0)?;
     let value = written(file, key)?;

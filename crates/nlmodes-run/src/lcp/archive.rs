@@ -1,4 +1,4 @@
-//! Arrays of numbers from NumPy archives that nobody has vouched for.
+//! Arrays of numbers from untrusted NumPy archives.
 
 use std::fs::File;
 use std::io::{self, BufReader, Read};
@@ -74,7 +74,7 @@ impl Archive {
         Ok((shape, values.collect::<io::Result<Vec<_>>>().map_err(damaged)?))
     }
 
-    /// The unpacked bytes of an array; memory is taken as they come, whatever the archive claims.
+    /// The unpacked bytes of an array; memory is allocated as they are read, whatever the archive claims.
     fn bytes(&mut self, name: &'static str) -> Result<Vec<u8>, ProblemError> {
         let damaged = |source| ProblemError::Damaged { name, source };
         let entry = self.0.zip_archive().by_name(&format!("{name}.npy"));
@@ -89,8 +89,7 @@ impl Archive {
     }
 }
 
-/// Lets pass only what describes a plain array: the parser behind it recurses over brackets and multiplies lengths
-/// unchecked.
+/// Accepts only headers of plain arrays: the parser after it recurses over brackets and multiplies lengths unchecked.
 fn check_header(bytes: &[u8]) -> Result<(), String> {
     let start = if bytes.get(6) == Some(&1) { 10 } else { 12 };
     let text = bytes.get(start..).unwrap_or_default();

@@ -12,7 +12,7 @@ pub enum ProblemError {
     /// A file cannot be read.
     #[error("the file cannot be read")]
     Read(#[source] io::Error),
-    /// A directory stands where a file was expected.
+    /// There is a directory where a file was expected.
     #[error("this is a directory, not a file")]
     Directory,
     /// It is no NumPy archive, or a damaged one.
@@ -68,7 +68,7 @@ pub enum ProblemError {
     NotFinite {
         /// Its name.
         name: &'static str,
-        /// Where it stands, from 0.
+        /// Its position, from 0.
         index: Vec<usize>,
         /// The number.
         value: f64,

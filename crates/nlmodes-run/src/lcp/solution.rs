@@ -41,7 +41,7 @@ pub fn write(path: &Path, solution: &SeriesSolution, samples: usize, c: usize) -
         .and_then(|bytes| fs::write(&temporary, bytes))
         .and_then(|()| fs::rename(&temporary, path));
     written.map_err(|source| {
-        // The first error is the one to tell; the file may not even exist.
+        // The first error is reported; the file may not even exist.
         let _ = fs::remove_file(&temporary);
         ProblemError::Write { path: path.to_path_buf(), source }
     })

@@ -44,7 +44,7 @@ impl Equal {
         }
     }
 
-    /// By what several motions that have it in common are told apart.
+    /// Quantity that distinguishes several motions with the same value.
     fn other(self, point: &ModalPoint) -> f64 {
         match self {
             Self::Amplitude | Self::Energy => point.omega,
@@ -78,9 +78,9 @@ pub struct Difference {
     pub own_force: f64,
     /// Impulse of each stop at the point and of the branch there, N·s; none where one of them is not known.
     pub stops: Vec<[f64; 2]>,
-    /// Motions that the branch has with what is equal, or the curve that is laid over, whichever has more: with
-    /// several, as at a tongue or behind a fold, the two may be on different arms. One where both are on the way from
-    /// grazing to the first turn.
+    /// Number of motions with the equal value on the branch or on the overlaid curve, whichever is larger: with
+    /// several, as at an internal resonance or beyond a fold, the two may be on different half-branches. One if both
+    /// are between grazing and the first turn.
     pub motions: usize,
     /// Whether it is known nevertheless which of several motions of the branch belongs to the point: the one whose
     /// difference is most like those of the points of the same test that have no other.
@@ -100,10 +100,10 @@ impl Difference {
 }
 
 /// The differences at equal modal amplitude, or energy where a point has no amplitude, of all points within those of
-/// the branch, which is linear between its points; of several motions the one with the nearest frequency counts, for
+/// the branch, which is linear between its points; of several motions the one with the nearest frequency is used, for
 /// points of a test the one whose difference is most like those of the points that have one motion only: if a test is 3
-/// % softer throughout, the nearest motion at a tongue is the wrong one. A point that touches no stop is not held
-/// against motions that do.
+/// % softer throughout, the nearest motion at an internal resonance is the wrong one. A point without contact is not
+/// compared with motions with contact.
 pub fn differences(laid: &Laid, own: &ModalBranch) -> Vec<Difference> {
     let mut found = all(laid, own, Equal::of);
     if !laid.is_scattered {
@@ -139,7 +139,7 @@ fn all(laid: &Laid, own: &ModalBranch, equal: fn(&ModalPoint) -> Equal) -> Vec<D
 #[derive(Debug, Clone)]
 struct There {
     omega: f64,
-    /// What tells it from other motions with the same in common.
+    /// Quantity that distinguishes it from other motions with the same value.
     other: f64,
     impulse: f64,
     force: f64,
@@ -172,9 +172,9 @@ fn motions(points: &[ModalPoint], equal: Equal, wanted: f64) -> Vec<There> {
     found
 }
 
-/// Numbers of the points from grazing on, as long as what is equal grows: on these two branches of a mode go the same
-/// way, whatever their tongues do behind them. A tongue that is left out between two points of one size does not end
-/// that. Empty for a branch that does not begin or end at grazing.
+/// Numbers of the points from grazing on, as long as the equal quantity grows: on these, two branches of a mode
+/// correspond, whatever their internal resonances beyond. A skipped internal resonance between two points of equal size
+/// does not end the range. Empty for a branch that does not begin or end at grazing.
 fn first_arm(points: &[ModalPoint], equal: Equal) -> Range<usize> {
     let goes_on = |pair: &[ModalPoint], from: usize| {
         let [a, b] = [from, 1 - from].map(|k| equal.value(&pair[k]));
@@ -206,12 +206,12 @@ fn difference(
     }
     let off = |there: &There| (there.other - equal.other(point)).abs();
     let nearest = all.iter().min_by(|a, b| off(a).total_cmp(&off(b)))?;
-    // Points of a test are no curve, and have no arms.
+    // Points of a test are not a curve, and have no half-branches.
     let count = if laid.is_scattered {
         all.len()
     } else {
         let alike = motions(points, equal, equal.value(point)).len().max(all.len());
-        // A point on the first arm whose partner is on another one is not alone either.
+        // A point on the first half-branch whose partner is on another one is not unique either.
         if arms[0].contains(&number) && !arms[1].is_empty() { alike.max(2) } else { alike }
     };
     Some(against((number, point), nearest, equal, count))
@@ -224,7 +224,7 @@ fn partners(point: &ModalPoint, points: &[ModalPoint], equal: Equal) -> Vec<Ther
     motions(points, equal, equal.value(point)).into_iter().filter(touches_as_well).collect()
 }
 
-/// A point against one of so many motions of the branch.
+/// A point compared with one of this many motions of the branch.
 fn against((number, point): (usize, &ModalPoint), there: &There, equal: Equal, motions: usize) -> Difference {
     let of = |size: Equal| if equal == size { equal.value(point) } else { f64::NAN };
     Difference {
@@ -252,7 +252,7 @@ fn of_stops(contacts: &[ContactPeriod], own: &[f64]) -> Vec<[f64; 2]> {
     contacts.iter().zip(own).map(|(contact, own)| [contact.impulse, *own]).collect()
 }
 
-/// That of the point, NaN where no contact is known.
+/// That of the point, NaN if no contact is known.
 fn impulse(point: &ModalPoint) -> f64 {
     point.impulse().unwrap_or(f64::NAN)
 }

@@ -10,13 +10,13 @@ use super::{Difference, Equal, Laid};
 const SHOWN: usize = 20;
 /// Largest difference in per cent, of either sign, that is called agreement.
 const AGREES: f64 = 0.1;
-/// Points from which on their median is said.
+/// Minimum number of points for a median.
 const FEW: usize = 5;
 /// Differences in per cent that are none.
 const NOTHING: f64 = 1e-5;
 
-/// Median, least and largest of the relative differences in per cent, and of how many pairs; none without a pair of
-/// values. Of differences that a few points on steep parts of a curve lead, the median says what most points have.
+/// Median, least and largest of the relative differences in per cent, and the number of pairs; none without a pair of
+/// values. The median is not affected by a few points on steep parts of a curve.
 pub fn percent(pairs: impl Iterator<Item = (f64, f64)>) -> Option<([f64; 3], usize)> {
     let all = percentages(pairs);
     Some((range(&all)?, all.len()))
@@ -51,7 +51,7 @@ pub fn by([median, least, most]: [f64; 3], points: usize) -> String {
     }
 }
 
-/// What to do where no motion of one can be told to belong to one of the other.
+/// What to do if no motions can be paired.
 pub(super) fn nothing_to_compare(apart: usize) -> &'static str {
     if apart == 0 {
         return "nothing to compare";
@@ -64,7 +64,7 @@ pub(super) fn relative(value: f64, own: f64) -> f64 {
     if own == 0.0 { f64::NAN } else { 100.0 * (value / own - 1.0) }
 }
 
-/// `−1.00`, to three digits with its sign; what is rounding is zero.
+/// `−1.00`, to three digits with its sign; rounding errors are zero.
 pub(super) fn signed(percent: f64) -> String {
     if percent.abs() < NOTHING {
         return "0".to_owned();
@@ -121,8 +121,8 @@ fn verdict(percent: &[f64], own: &str) -> String {
     format!("{first} {own} at {most} of {} points, {}", percent.len(), others.join(", "))
 }
 
-/// Whether what is laid over is softer or stiffer than the branch, in a sentence; over the points of which it is known
-/// which motion of the branch is theirs.
+/// Whether the overlay is softer or stiffer than the branch, in a sentence; based on the points whose corresponding
+/// motion of the branch is known.
 pub fn sentence(laid: &Laid, found: &[Difference], branch: &ModalBranch) -> String {
     let (name, own) = (&laid.branch.label, branch);
     let own = if own.label.is_empty() { "this branch" } else { &own.label };
@@ -203,7 +203,7 @@ pub fn table(laid: &Laid, found: &[Difference]) -> DataTable {
     let text = |value: f64| if value.is_finite() { format!("{value:.5}") } else { "–".to_owned() };
     let short = |value: f64| if value.is_finite() { format!("{value:.4e}") } else { "–".to_owned() };
     let off = |difference: &Difference, value: f64, own: f64| match relative(value, own) {
-        // The nearest of several may be on another arm.
+        // The nearest of several may be on another half-branch.
         _ if !difference.is_clear() => format!("one of {}", difference.motions),
         percent if percent.is_finite() => signed(percent),
         _ => "–".to_owned(),
@@ -228,8 +228,7 @@ pub fn table(laid: &Laid, found: &[Difference]) -> DataTable {
     table
 }
 
-/// Takes away the amplitude, the energy, or what stands of impulse and force where no row knows it of what is laid
-/// over.
+/// Removes amplitude, energy, impulse or force if no row of the overlay has it.
 fn without_unknown(table: &mut DataTable) {
     let known = |column: usize| table.rows.iter().any(|row| row[column] != "–");
     let unknown = [1..2, 2..3, 6..9, 9..12].into_iter().filter(|group| !known(group.start)).flatten();

@@ -5,7 +5,8 @@ use nlmodes::report::DataTable;
 use super::said::{by, nothing_to_compare, percent, relative, signed};
 use super::{Difference, Equal, Laid};
 
-/// Impulses below this share of the largest one of their stop do not count: per cent of next to nothing say nothing.
+/// Impulses below this fraction of the largest one of their stop are ignored, since percentages of small values are
+/// meaningless.
 const FLOOR: f64 = 1e-2;
 /// Share of the largest one below which an impulse is rounding: the stop is not touched.
 pub(super) const ROUNDING: f64 = 1e-9;
@@ -61,7 +62,7 @@ impl StopChange {
         self.points + self.alone + self.apart > 0
     }
 
-    /// Why so many points are not compared; nothing where all are.
+    /// Why this many points are not compared; empty if all are.
     fn left_out(&self) -> String {
         let several = format!("{} where there are several motions of that {}", self.apart, self.equal.name());
         let alone = format!("{} where it is touched in one of both only", self.alone);
@@ -123,7 +124,7 @@ pub fn stops_table(laid: &Laid, all: &[Vec<StopChange>], (names, own): (&[String
 mod tests {
     use super::*;
 
-    /// Points of which each stop has these impulses, in both; the last has a partner that may be on another arm.
+    /// Points with these impulses at each stop, in both; the partner of the last may be on another half-branch.
     fn found(stops: &[&[[f64; 2]]]) -> Vec<Difference> {
         let last = stops.len() - 1;
         let of = |(point, stops): (usize, &&[[f64; 2]])| Difference {
@@ -170,7 +171,7 @@ mod tests {
                 "impulse of stop 0 at 1 m: at equal frequency by +10.0 to +20.0 % at 2 points; \
                  left out: 1 where there are several motions of that frequency"
             );
-            // A stop that nobody touches says so.
+            // A stop without contact is reported as such.
             let silent = changes(&found(&[&[pair(0.0, 0.0)], &[pair(0.0, 0.0)]]));
             assert_eq!(lines(&[silent], &["stop 0".to_owned()]), ["impulse of stop 0: not touched"]);
             assert!(said[1].contains(" % at 1 point; left out: ") && said[1].contains("1 where it is touched in one"));

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-/// What is said of rows without a frequency.
+/// Message about rows without a frequency.
 pub(crate) const NO_FREQUENCY: &str = "without a frequency above 0 Hz";
 
 /// How many rows there are, and how many of them are not used, by reasons.
@@ -23,7 +23,7 @@ impl Unused {
         }
     }
 
-    /// What is said of them; nothing where all rows are used.
+    /// Message about them; empty if all rows are used.
     pub fn sentence(&self, path: &Path) -> Option<String> {
         let count: usize = self.reasons.iter().map(|(_, count, _)| count).sum();
         let reason = |(reason, count, line): &(&str, usize, u64)| {

@@ -57,7 +57,7 @@ fn unit(abscissa: Abscissa) -> &'static str {
     }
 }
 
-/// Significant digits of the values of passages, so many that no two different ones look alike.
+/// Significant digits of the values of passages, enough to distinguish different values.
 struct Digits {
     frequency: usize,
     energy: usize,
@@ -156,7 +156,7 @@ fn largest(stops: &[StopValues]) -> String {
 
 /// Significant digits of a number alone.
 const FEWEST: usize = 6;
-/// Most significant digits that tell two numbers apart; beyond are those of rounding.
+/// Maximum number of significant digits; further ones are rounding.
 const MOST: usize = 12;
 
 /// The least number of significant digits, [`FEWEST`] to [`MOST`], by which no two different values look alike.
@@ -172,7 +172,7 @@ fn apart(values: &[f64]) -> usize {
     (FEWEST..MOST).find(|digits| !look_alike(*digits)).unwrap_or(MOST)
 }
 
-/// A number with so many significant digits, or fewer where the last ones are zero.
+/// A number with this many significant digits, or fewer if the last ones are zero.
 fn rounded(x: f64, digits: usize) -> String {
     if x.is_nan() {
         "-".to_owned()

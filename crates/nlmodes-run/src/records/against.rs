@@ -1,4 +1,4 @@
-//! The points of records or of a test against what is laid beside them, at equal modal amplitude.
+//! Comparison of the points of records or of a test with overlays, at equal modal amplitude.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use super::{RecordOutcome, figures};
 use crate::overlay::{Difference, Laid, differences, sentence, table, write};
 
-/// The points, their differences from each branch beside them, and what these come to in a sentence.
+/// The points, their differences from each branch beside them, and the conclusion in a sentence.
 pub struct Against(Vec<(Laid, Vec<Difference>, String)>);
 
 impl Against {

@@ -10,7 +10,7 @@ use nlmodes_scene::scene::Structure;
 
 /// Most modes that are taken.
 const MAX_MODES: usize = 6;
-/// A sensor that moves less than this share of the largest component of a mode stands still.
+/// A sensor with less than this fraction of the largest component of a mode is at rest.
 const STILL: f64 = 1e-6;
 /// Positions count as the same within this share of the length.
 const SAME_PLACE: f64 = 1e-3;
@@ -21,8 +21,7 @@ const SAME_PLACE: f64 = 1e-3;
 /// which are unknown and zero elsewhere.
 ///
 /// # Errors
-/// What the structure or the eigenproblem has against it; positions outside the structure, or that cannot tell the
-/// modes apart.
+/// Errors of the structure or the eigenproblem; positions outside the structure, or that do not distinguish the modes.
 pub fn at_sensors(structure: &Structure, channels: &[Channel], mode: usize) -> Result<LinearModes, Failure> {
     let positions = positions(channels, SAME_PLACE * structure.length);
     let wanted = positions.len().min(MAX_MODES).max(mode);

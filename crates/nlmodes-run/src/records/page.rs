@@ -16,7 +16,7 @@ use nlmodes_scene::number;
 /// Most records whose time histories and contact forces are on the page: those with the largest forces.
 const SHOWN: usize = 4;
 
-/// Writes the page. `lines` stand below the title, `wrong` is what keeps the test from being complete.
+/// Writes the page. `lines` are below the title, `wrong` are the reasons why the test is incomplete.
 ///
 /// # Errors
 /// If it cannot be drawn or written.
@@ -77,7 +77,7 @@ fn number_in(file: &str) -> Option<usize> {
     rest.strip_suffix(".svg")?.parse().ok()
 }
 
-/// The modal points, a row a record.
+/// The modal points, one row per record.
 fn points(outcomes: &[RecordOutcome]) -> DataTable {
     let head = [
         "record",
@@ -122,7 +122,7 @@ fn points(outcomes: &[RecordOutcome]) -> DataTable {
     table
 }
 
-/// What a careful experimenter wants to be told, in words.
+/// Findings in words.
 fn findings(outcomes: &[RecordOutcome]) -> DataTable {
     let mut table = DataTable::new("Findings", &["record", "finding", "what it says"]);
     for outcome in outcomes {

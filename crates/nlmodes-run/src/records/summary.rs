@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::RecordOutcome;
 use nlmodes_scene::RecordScene;
 
-/// Writes what was taken from each record, and all findings in words.
+/// Writes the results of each record, and all findings in words.
 pub fn write(directory: &Path, scene: &RecordScene, outcomes: &[RecordOutcome]) -> Result<(), ReportError> {
     let summary = json!({
         "title": scene.title,

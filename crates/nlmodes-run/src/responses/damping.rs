@@ -1,4 +1,4 @@
-//! Damping of a scene, in its open modes.
+//! Damping of a scene, in its free-interface modes.
 
 use nlmodes::linalg::{Mat, multiply_many};
 use nlmodes::model::StructuralModel;

@@ -1,4 +1,4 @@
-//! From a scene to a structure in open modes, and to places on it.
+//! Structure in free-interface modes from a scene, and positions on it.
 
 use nlmodes::fem::FemError;
 use nlmodes::hbm::MAX_RECORDED;
@@ -13,9 +13,9 @@ use nlmodes_scene::scene::{BaseDirection, Direction, Place, Scene, StopOfBase, S
 
 use crate::{RunError, chain, mass, refusal};
 
-/// A structure in open modes, and what is known of its places.
+/// A structure in free-interface modes, and its positions.
 pub struct Reduced {
-    /// Its open modes.
+    /// Its free-interface modes.
     pub open: OpenModes,
     /// Degrees of freedom whose motion is written.
     pub recorded: Vec<usize>,
@@ -25,7 +25,7 @@ pub struct Reduced {
     pub shift: Option<MassShift>,
     /// What is to be known about the mass that is left out.
     pub warning: Option<String>,
-    /// The reduction where the scene, or its structure, asks for open modes.
+    /// The reduction, if the scene or its structure requires free-interface modes.
     pub reduction: Option<OpenStructure>,
     source: Source,
 }
@@ -36,7 +36,7 @@ enum Source {
     Straight { elements: Elements, model: Box<StructuralModel>, massless: Option<Box<MasslessContactModel>> },
     /// Degrees of freedom of files.
     Files(Vec<Dof>),
-    /// Several rods and beams, one behind the other among the degrees of freedom.
+    /// Several rods and beams, with consecutive degrees of freedom.
     Several(Vec<Body>),
 }
 
@@ -80,7 +80,7 @@ pub fn reduced(file: &SceneFile, structures: &Structures) -> Result<Reduced, Run
     };
     let elements = Elements::new(straight).map_err(|error| refusal::at(file, "structure", &error))?;
     if let Some(reduction) = reduction {
-        // The full structure, of which the modes are.
+        // The full structure of the modes.
         let model = element_model(straight, &scene.contacts).map_err(|error| refusal::at(file, "structure", &error))?;
         let written = recorded(model.dofs(), &reduction.modes);
         let source = Source::Straight { elements, model: Box::new(model), massless: None };
@@ -111,8 +111,8 @@ fn bodies(structures: &[Structure]) -> Result<Vec<Body>, FemError> {
     Ok(bodies)
 }
 
-/// What the files of a structure that shakes with its base do not hold: the mass between free nodes and those that were
-/// held before they were written.
+/// Missing in the files of a structure with base motion: the mass between free nodes and those that were fixed before
+/// the files were written.
 fn missing_mass(reduction: &OpenStructure, direction: BaseDirection) -> Option<String> {
     let (BaseDirection::Vector(direction), Some((files, _))) = (direction, &reduction.files) else { return None };
     if !files.fixed_mass.is_empty() {
@@ -171,8 +171,8 @@ fn recorded(dofs: &[Dof], open: &OpenModes) -> (Vec<usize>, Vec<Coordinate>) {
 }
 
 impl Reduced {
-    /// A structure whose scene asks for open modes, with the coordinates that are written: its stops have no mass, and
-    /// what else it has is left over.
+    /// A structure in free-interface modes, with the coordinates that are written: massless stops and residual
+    /// flexibility.
     fn in_open_modes(
         reduction: OpenStructure,
         (recorded, coordinates): (Vec<usize>, Vec<Coordinate>),
@@ -183,7 +183,7 @@ impl Reduced {
         Self { open, recorded, coordinates, shift: None, warning, reduction, source }
     }
 
-    /// The displacement at a place, as degrees of freedom with weights; none where the structure is held.
+    /// The displacement at a position, as degrees of freedom with weights; none if the structure is fixed there.
     ///
     /// # Errors
     /// What is wrong with the place, in words.
@@ -212,14 +212,14 @@ impl Reduced {
         bodies.iter().map(|body| (body.first, &body.model))
     }
 
-    /// Displacement of each contact toward what it meets: `−w` of its gap `g = g₀ + wᵀ q`.
+    /// Displacement of each contact toward its obstacle: `−w` of its gap `g = g₀ + wᵀ q`.
     pub fn toward_stops(&self) -> Vec<Weights> {
         let mut all = vec![Weights::new(); self.open.n_contacts()];
         triplets(self.open.directions()).for_each(|(dof, contact, w)| all[contact].push((dof, -w)));
         all
     }
 
-    /// Positions along the axis that have no coordinate of this kind because they are held.
+    /// Positions along the axis that have no coordinate of this kind because they are fixed.
     pub fn held_ends(&self, kind: &str) -> Vec<f64> {
         let number = kind.rsplit('-').next().and_then(|number| number.parse::<usize>().ok());
         let elements = match (&self.source, number) {
@@ -308,7 +308,7 @@ pub fn base_motion(scene: &Scene, parts: &Reduced) -> Result<BaseMotion, String>
         _ => return Err("a structure from files has no axis".to_owned()),
     };
     let Some(massless) = massless else { return Ok(motion) };
-    // The mass as it is computed with, and none of the contact nodes at all.
+    // The mass used in the computation, and that without the contact nodes.
     let [with, without] = [model.mass(), massless.mass()].map(|mass| multiply(mass, &motion.rigid));
     motion.inertia.iter_mut().zip(without.iter().zip(&with)).for_each(|(m, (new, old))| *m += new - old);
     massless.contacts().iter().for_each(|contact| motion.inertia[contact.dof] = 0.0);

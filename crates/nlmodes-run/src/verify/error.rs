@@ -74,7 +74,7 @@ pub enum VerifyError {
     /// The branch has no such point.
     #[error("there is no point {point}: the branch has {}", count(*points))]
     NoSuchPoint {
-        /// The number that was asked for.
+        /// The requested number.
         point: usize,
         /// How many there are.
         points: usize,

@@ -31,7 +31,7 @@ pub struct Point {
     pub omega: f64,
     /// Fourier coefficients of the displacements, m.
     pub coefficients: HarmonicCoefficients,
-    /// Displacements at the beginning of an exact motion, which stands still there.
+    /// Displacements at the beginning of an exact motion, where the velocity is zero.
     pub start: Option<Vec<f64>>,
     symmetry: Symmetry,
 }
@@ -115,7 +115,7 @@ impl Point {
         })
     }
 
-    /// Whether the structure stands still at the beginning of the period.
+    /// Whether the velocity is zero at the beginning of the period.
     pub fn is_even(&self) -> bool {
         self.symmetry == Symmetry::Even
     }

@@ -19,8 +19,8 @@ const MAX_POINTS: usize = 2000;
 /// Computes it from grazing, past its internal resonances, in which a test does not follow it.
 ///
 /// By harmonic balance it is that of the modes and the stop of the rig. By mixed shooting-harmonic balance it is that
-/// of the finite elements before a rigid stop, the mass of the contact node left out, with the rig's frequencies
-/// imposed: what is computed without a contact stiffness.
+/// of the finite elements with a rigid stop and a massless contact node, with the rig's frequencies imposed: a
+/// computation without contact stiffness.
 ///
 /// # Errors
 /// What the model, the method or the continuation have against it; a scene without a stop has no backbone.

@@ -15,7 +15,7 @@ use nlmodes_scene::scene::{self, LoopDetector, TestScene};
 
 /// Start of the loop below the frequency of the mode, relative.
 const BELOW: f64 = 0.0025;
-/// Places along the structure at which the largest motion of a mode is looked for.
+/// Number of positions along the structure at which the largest motion of a mode is sought.
 const PLACES: usize = 50;
 /// Share of that motion below which the mode has a node: rounding of the shapes.
 const NODE: f64 = 1e-9;

@@ -49,7 +49,7 @@ pub fn short_record(file: &SceneFile<TestScene>, rig: &Rig) -> Result<(), RunErr
     Err(file.error_at("virtual_test.schedule.record_s", &title, &label, &[]).into())
 }
 
-/// The key, what is wrong, and what is expected there.
+/// The key, the error, and the expected value.
 fn words(scene: &TestScene, error: &RigError) -> (&'static str, String, String) {
     let hz = |omega: f64| number(digits(omega / TAU, 5));
     let (rate, mode) = (number(scene.sample_rate), scene.settings.mode);
@@ -91,7 +91,7 @@ fn words(scene: &TestScene, error: &RigError) -> (&'static str, String, String) 
     }
 }
 
-/// To so many digits.
+/// To this many digits.
 fn digits(x: f64, count: usize) -> f64 {
     format!("{x:.0$e}", count - 1).parse().unwrap_or(x)
 }

@@ -1,4 +1,4 @@
-//! What a virtual test is, and what it did, in `summary.json`.
+//! Description and outcome of a virtual test, in `summary.json`.
 
 use std::f64::consts::TAU;
 use std::time::Duration;
@@ -11,7 +11,7 @@ use super::bench::Rig;
 use crate::records::against::Against;
 use nlmodes_scene::scene::TestScene;
 
-/// What the model is, in a line: nobody should take it for the finite-element structure.
+/// Description of the model, in one line, so that it is not mistaken for the finite-element structure.
 pub fn model(scene: &TestScene, rig: &Rig) -> String {
     let (own, taken) = (hertz(&rig.of_elements), hertz(&rig.bench.omega));
     let first = format!("modal model: {} modes of the structure", taken.len());

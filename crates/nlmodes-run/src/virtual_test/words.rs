@@ -7,7 +7,7 @@ use nlmodes_scene::scene::TestScene;
 
 use crate::chain;
 
-/// A level with what was extracted and found, in a few lines; `number` is its number among those of the scene, from 1.
+/// A level with its results and findings, in a few lines; `number` is its number among those of the scene, from 1.
 pub fn in_words(scene: &TestScene, number: usize, level: &TestLevel) -> String {
     let (outcome, steady) = (&level.outcome, &level.outcome.steady);
     let mut text = format!(

@@ -110,7 +110,7 @@ fn behind_folds_every_passage_is_told() {
     // The second stop has the largest impulse up to s = ln 3.
     assert_eq!(text.matches("stop 1 has the largest impulse").count(), 2, "{text}");
     assert_eq!(text.matches("stop 0 has the largest impulse").count(), 1, "{text}");
-    // A point that lies there is told once, and what lies beyond all points is said to.
+    // A point exactly there is reported once, and a value beyond all points is reported as such.
     assert_eq!(at(folder.path(), frequency(-2.0)).0[0].points, [0, 0]);
     assert_eq!(at(folder.path(), 50.0).0.len(), 3);
     let (none, curves) = at(folder.path(), 60.0);
@@ -119,8 +119,8 @@ fn behind_folds_every_passage_is_told() {
     assert!(said.contains("60 Hz is not passed; 81 points lie between 48 Hz and 52 Hz"), "{said}");
 }
 
-/// Straight pieces on both sides of a corner are met exactly only if neither knows of the other, and where a tongue was
-/// left out there is nothing.
+/// Straight pieces on both sides of a kink are reproduced exactly only if they are independent, and there is nothing
+/// where an internal resonance was skipped.
 #[test]
 fn nothing_is_interpolated_across_corners_and_gaps() {
     let folder = tempfile::tempdir().unwrap();
@@ -179,7 +179,7 @@ fn digits_tell_the_ends_of_a_branch_and_its_passages_apart() {
     assert!(told.contains("60.7918 Hz is not passed; 2 points lie between 60.79171 Hz and 60.79172 Hz"), "{told}");
     let told = said(60.791_715_5);
     assert!(told.contains("60.7917155 Hz is passed once"), "{told}");
-    // A fold of which both sides lie close together.
+    // A fold whose two sides are close together.
     let rows =
         [([50.0, 1.0], "", [1.0; 2]), ([51.0, 1.1], "frequency-fold", [1.0; 2]), ([50.0, 1.1 + 1e-7], "", [1.0; 2])];
     write(folder.path(), &rows);
@@ -250,7 +250,7 @@ fn a_table_is_named_and_what_is_damaged_is_said_with_its_row() {
     let said = refused("contacts.csv", &cut(&contacts, line));
     assert!(said.contains("point 3 has 1 of 2 stops; the table is cut or damaged"), "{said}");
     assert!(refused("contacts.csv", &contacts.replace(",impulse_ns", ",sum")).contains("no column impulse_ns"));
-    // Whole points that are missing: the branch is as good as it was, and what is not known of it is said.
+    // Missing points: the branch is otherwise unaffected, and unknown values are reported.
     fs::write(folder.path().join("contacts.csv"), cut(&contacts, 2 * line)).unwrap();
     let curves = passages(folder.path(), Abscissa::FrequencyHz, 52.5).unwrap();
     let told = text(folder.path(), Abscissa::FrequencyHz, 52.5, &curves);

@@ -1,4 +1,4 @@
-//! A run goes on in a thread of its own, says nothing by itself, and ends when it is asked to.
+//! A run in its own thread prints nothing by itself, and ends on request.
 
 use std::thread;
 
@@ -34,7 +34,7 @@ fn scenes_outcomes_and_errors_go_to_other_threads() {
     send::<(RunOutcome, RunError, TestOutcome, RecordOutcome)>();
 }
 
-/// Ends a run behind so many points.
+/// Ends a run after this many points.
 struct Ending {
     points: usize,
     seen: usize,

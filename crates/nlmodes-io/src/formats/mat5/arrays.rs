@@ -92,7 +92,7 @@ impl<'v> Walk<'v> {
     }
 }
 
-/// Names of the fields of a structure: their length with the zeros behind them, then one after the other.
+/// Names of the fields of a structure: their length including trailing zeros, then one after the other.
 fn fields(elements: &mut Elements<'_>) -> Result<Vec<String>> {
     let length = elements.small("length of names of fields", 8)?;
     let length = match *length.as_slice() {

@@ -70,7 +70,7 @@ impl<'a> Elements<'a> {
         })
     }
 
-    /// The next element, after what is left of the one before.
+    /// The next element, after the rest of the previous one.
     pub(super) fn tag(&mut self, part: &str) -> Result<Tag> {
         self.pass(self.left + self.padding, part)?;
         let mut head = [0; 4];
@@ -103,13 +103,13 @@ impl<'a> Elements<'a> {
         Ok(())
     }
 
-    /// Goes into the element under way, which has `length` bytes, and says where it ends.
+    /// Enters the current element of `length` bytes, and returns its end.
     pub(super) fn enter_for(&mut self, length: u64) -> u64 {
         self.enter();
         self.position.saturating_add(length)
     }
 
-    /// Passes over what is left of an element that ends there.
+    /// Skips the rest of an element that ends there.
     pub(super) fn pass_to(&mut self, end: u64) -> Result<()> {
         if self.position > end {
             let found = format!("{} bytes more", self.position - end);

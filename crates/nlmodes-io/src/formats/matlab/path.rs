@@ -9,7 +9,7 @@ enum Step {
     Element { number: u64, subscripts: Vec<u64>, of_cell: bool },
 }
 
-/// Where an array stands in a file, as MATLAB writes it: `FEM.K`, `KM{1}`, `part(2).K`.
+/// Path of an array in a file, in MATLAB notation: `FEM.K`, `KM{1}`, `part(2).K`.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(in crate::formats) struct MatPath(Vec<Step>);
 
@@ -48,7 +48,7 @@ impl MatPath {
         }
     }
 
-    /// Whether this is what a name says: fields behind points or strokes, numbers or subscripts in brackets.
+    /// Whether this matches a name: fields behind points or strokes, numbers or subscripts in brackets.
     pub(in crate::formats) fn is(&self, name: &str) -> bool {
         let mut rest = name.trim_start_matches('/');
         let mut steps = self.0.iter().peekable();

@@ -45,7 +45,7 @@ impl Deck {
                     let what = if begun.is_empty() { "number of the element" } else { "number of a node" };
                     begun.push(source.unsigned(field, what)?);
                 }
-                // CalculiX keeps three inner nodes with each of these, and so do decks that were made of its results.
+                // CalculiX adds three inner nodes to each of these, as do decks derived from its results.
                 if kind.starts_with("C3D8I") && begun.len() == shape.nodes + 4 {
                     begun.truncate(shape.nodes + 1);
                 }
@@ -77,8 +77,7 @@ impl Deck {
 
     fn node(&mut self, source: &Source, set: Option<&str>) -> Result<()> {
         let fields: Vec<&[u8]> = commas(source.line()).collect();
-        // Coordinates that are left out are 0; Abaqus has up to three numbers of a normal behind them, and CalculiX
-        // passes over what is there.
+        // Omitted coordinates are 0; Abaqus permits up to three numbers of a normal after them, which CalculiX ignores.
         if !matches!(fields.len(), 1..=7) {
             return Err(source.expected("a node: number, x, y, z"));
         }

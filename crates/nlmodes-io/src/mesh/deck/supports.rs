@@ -18,8 +18,8 @@ const NAMED: [(&str, [bool; 3]); 8] = [
 ];
 
 impl Deck {
-    /// `node or set, first, last`, or `node or set, PINNED`. A line that says something else holds nothing that is
-    /// known here: the matrices tell what moves.
+    /// `node or set, first, last`, or `node or set, PINNED`. Any other line fixes nothing known here: the matrices
+    /// determine what moves.
     pub(super) fn support(&mut self, source: &Source) {
         let fields: Vec<&[u8]> = commas(source.line()).collect();
         let (Some(what), Some(first)) = (fields.first(), fields.get(1)) else { return };

@@ -6,7 +6,7 @@ pub(super) struct ElementType {
     /// Nothing for a point.
     pub(super) kind: Option<ElementKind>,
     pub(super) nodes: usize,
-    /// Which nodes come after the corners; nodes within faces and volumes are left out.
+    /// The nodes after the corner nodes; nodes within faces and volumes are omitted.
     middles: &'static [usize],
 }
 

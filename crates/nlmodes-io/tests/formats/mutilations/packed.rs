@@ -66,7 +66,7 @@ fn binary_files_that_are_cut_or_changed_anywhere_are_refused_or_read_right() {
             let mut changed = bytes.clone();
             changed[(k * 7919) % bytes.len()] ^= 0x41;
             fs::write(&path, &changed).unwrap();
-            // Whatever comes out: no panic, and no entry that is not finite.
+            // For any result: no panic, and no entry that is not finite.
             if let Ok(matrix) = read(&path, name, Some(N)) {
                 assert!(matrix.lower.entries().all(|e| e.2.is_finite() && e.0 < N && e.1 <= e.0));
             }
@@ -74,8 +74,8 @@ fn binary_files_that_are_cut_or_changed_anywhere_are_refused_or_read_right() {
     }
 }
 
-/// One byte says that the list of chunks goes on into what comes behind it, or four that a chunk is longer than the
-/// file: of 16 kB, 4 GiB would be read.
+/// One byte makes the list of chunks extend beyond its end, or four make a chunk longer than the file: of 16 kB, 4 GiB
+/// would be read.
 #[test]
 fn chunks_that_the_file_cannot_hold_are_refused_before_memory_is_taken() {
     let good = fs::read(fixture("hdf5.mat")).unwrap();

@@ -95,7 +95,7 @@ fn at_equal_frequency_the_motion_with_the_nearest_amplitude_counts_and_several_a
         assert!((difference.stops[0][1] - impulse).abs() < 1e-12 && difference.stops[1] == [10.0; 2], "{difference:?}");
         assert!((difference.own_impulse - impulse - 10.0).abs() < 1e-12);
     }
-    // Of a test nothing tells which of several motions of a frequency was measured.
+    // For a test it is unknown which of several motions at a frequency was measured.
     other.is_scattered = true;
     assert_eq!(at_equal_frequency(&other, &own.branch)[3].motions, 2);
 }
@@ -119,8 +119,8 @@ fn points_without_contact_are_in_no_mean_of_impulses_and_forces() {
 
 #[test]
 fn partners_at_a_tongue_are_in_no_mean() {
-    // Both go up, back and up again over amplitudes 2 to 3, as at a tongue; beyond, one has a tongue that the other
-    // lacks.
+    // Both go up, back and up again over amplitudes 2 to 3, as at an internal resonance; beyond, one has another
+    // internal resonance.
     let own = laid("frequency_hz,modal_amplitude\n10,1\n13,3\n12,2\n14,4\n18,8\n");
     let mut other =
         laid("frequency_hz,modal_amplitude\n10.2,1\n11.22,1.9\n13.2,3\n12.1,2\n14.2,4\n17.1,7\n16.1,6\n18.2,8\n");
@@ -134,7 +134,8 @@ fn partners_at_a_tongue_are_in_no_mean() {
     let found = differences(&other, &own.branch);
     assert_eq!(found.iter().map(|d| d.motions).collect::<Vec<_>>(), [1, 1, 1, 2, 1, 1, 1, 1]);
     assert!(found.iter().all(Difference::is_clear));
-    // From grazing to the first turn both go the same way, wherever tongues lead back to; beyond it only one motion is.
+    // From grazing to the first turn both correspond, wherever internal resonances lead; beyond it only one motion
+    // does.
     other.is_scattered = false;
     let mut own = own;
     for graze in [&mut own.branch, &mut other.branch] {
@@ -177,7 +178,7 @@ fn of_several_motions_a_test_has_the_one_that_fits_its_other_points() {
             "{said}"
         );
     }
-    // Without any point that has one motion only nothing tells.
+    // Without any point with a unique motion nothing can be decided.
     let test = laid("frequency_hz,modal_amplitude\n12.9,2.5\n");
     let found = differences(&test, &own.branch);
     assert!(!found[0].is_clear() && found[0].motions == 3);
@@ -194,13 +195,13 @@ fn a_tongue_that_is_left_out_at_one_frequency_does_not_end_the_way_from_grazing(
     }
     other.is_scattered = false;
     assert!(at_equal_frequency(&other, &own.branch).iter().all(Difference::is_clear));
-    // The same of a branch that ends at grazing, where the event stands behind the tongue as well.
+    // The same for a branch that ends at grazing, where the event is also after the internal resonance.
     let mut back = own.clone();
     back.branch.points.reverse();
     back.branch.points[2].events.push(Event::Resumed);
     back.branch.points[1].events.clear();
     assert!(at_equal_frequency(&other, &back.branch).iter().all(Difference::is_clear));
-    // Where the branch goes on at a lower frequency, some are passed twice.
+    // Where the branch continues at a lower frequency, some are passed twice.
     own.branch.points[2].omega *= 0.9;
     assert!(!at_equal_frequency(&other, &own.branch).iter().all(Difference::is_clear));
 }
