@@ -44,8 +44,8 @@
 //! - Fourier coefficients are those of a least squares fit of all harmonics at once: a sampling rate is no multiple of
 //!   the frequency, so there is no whole number of samples in a period, and nothing leaks.
 //! - Every figure is evaluated again on single periods; their spread is its uncertainty.
-//! - What a careful experimenter wants to be told (clipped, drifting, skewed, reversed …) is a
-//!   [`Finding`](extraction::Finding) with its number, not an error: there is a result, and a reason to doubt it.
+//! - What a careful experimenter should know (clipped, drifting, skewed, reversed …) is a
+//!   [`Finding`](extraction::Finding) with its value, not an error: there is a result, with a reservation.
 //! - Readers take memory as numbers come, never as a header announces.
 //!
 //! Equation numbers: S. Peter, F. Schreyer, R. I. Leine, *A method for numerical and experimental nonlinear modal

@@ -4,7 +4,7 @@
 //! and modes, and prints CPU seconds. `minimum-degree` as a sixth word also factors in that order.
 //!
 //! With `-- table 2` it prints the first two rows of a table of sizes instead, each measured in a process of its own;
-//! `-- deck 80 20 20` prints the same solid as a deck for CalculiX that asks for 20 frequencies.
+//! `-- deck 80 20 20` prints the same solid as a deck for CalculiX that requests 20 frequencies.
 
 use std::time::Instant;
 
@@ -182,7 +182,7 @@ fn solid([nx, ny, nz]: [usize; 3], contacts: usize) -> Result<StructuralModel, F
 }
 
 /// Stiffness (24 × 24) and mass of one direction (8 × 8) of a cube with linear displacements, by 2 × 2 × 2 Gauss
-/// points; corner `c` has its bits as X, Y, Z.
+/// points; vertex `c` has its bits as X, Y, Z.
 fn brick() -> (Vec<[f64; 24]>, [[f64; 8]; 8]) {
     let (e, nu, rho, h) = STEEL;
     let (lambda, mu) = (e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), e / (2.0 * (1.0 + nu)));

@@ -3,7 +3,7 @@ use nlmodes_model::{LinearModes, MasslessContactModel, held_modes};
 
 use crate::ReductionError;
 
-/// A mode of the structure with its contacts held, as the contact degrees of freedom see it.
+/// A fixed-interface mode, as seen at the contact degrees of freedom.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct HeldMode {
@@ -19,15 +19,15 @@ pub struct HeldMode {
     pub s: f64,
 }
 
-/// A structure with massless contact coordinates by the modes that it has with these held, and by its statics.
+/// A structure with massless contact coordinates, represented by its fixed-interface modes and its statics.
 ///
 /// ```text
 /// K_LL φ_k = λ_k M_LL φ_k ,   Ψ = −K_LL⁻¹ K_LN ,   T_0 = −K_NN⁻¹ K_NL Ψ
 /// ```
 ///
-/// Among modes with the same frequency (equal spans between contacts) it has those with `g_i K_NN⁻¹ g_jᵀ = 0`, of which
-/// only as many as there are contact coordinates move these. Modes that leave the contacts at rest (the axial family of
-/// a beam under a transverse stop) are counted only.
+/// Among modes with the same frequency (equal spans between contacts) those with `g_i K_NN⁻¹ g_jᵀ = 0` are chosen, of
+/// which at most as many as contact coordinates are coupled to these. Modes that are not coupled to the contacts (axial
+/// modes of a beam with a transverse stop) are only counted.
 #[derive(Debug, Clone)]
 pub struct HeldModes {
     /// Those that move a contact, ascending.
@@ -52,7 +52,7 @@ impl HeldModes {
     /// The lowest `count` modes of `model`, all of them where there are fewer.
     ///
     /// # Errors
-    /// [`ReductionError::Model`] if the structure can move as a rigid body with its contacts held, or its modes cannot
+    /// [`ReductionError::Model`] if the structure can move as a rigid body with its contacts fixed, or its modes cannot
     /// be computed; [`ReductionError::Linalg`].
     pub fn new(model: &MasslessContactModel, count: usize) -> Result<Self, ReductionError> {
         let stiffness = model.factor_k_ll()?;

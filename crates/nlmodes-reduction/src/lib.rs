@@ -1,4 +1,4 @@
-//! Reduction of linear structures with unilateral contacts to few modes, with the statics of what is left out.
+//! Reduction of linear structures with unilateral contacts to few modes, with the statics of the truncated ones.
 //!
 //! ```text
 //! M q̈ + K q = W λ + f ,   g = g₀ + Wᵀ q ,   0 ≤ λ ⊥ g + C λ ≥ 0
@@ -8,9 +8,9 @@
 //! q = Φ η + [K⁻¹ W − Φ Ω⁻² Yᵀ] λ + [K⁻¹ f − Φ Ω⁻² Φᵀ f]                 recovery, at the places that are asked for
 //! ```
 //!
-//! The modes beyond the `m` retained ones answer statically (MacNeal): statics are exact for any contact force, and the
-//! frequencies of the open structure are untouched. No mass is moved, and yet the contacts have none: `A` alone stands
-//! between the force and the gap at each instant, so that no impact law is needed.
+//! The modes beyond the `m` retained ones respond statically (MacNeal): the static response to any contact force is
+//! exact, and the frequencies with open contacts are unchanged. No mass is redistributed, yet the contacts are
+//! massless: force and gap are related only by `A` at each instant, so no impact law is needed.
 //!
 //! | symbol | name | unit | shape | item |
 //! | --- | --- | --- | --- | --- |
@@ -23,7 +23,7 @@
 //! | `λ`, closed set | rest under preload and interference | N | c | [`OpenModes::rest`] |
 //! | `(η, u)` | the reduced equations as a structure with massless contact nodes | | m + c | [`ReducedStructure`] |
 //! | | linear modes with closed contacts | rad²/s² | m | [`OpenModes::closed_modes`] |
-//! | `λ_k`, `φ_k` | modes with contacts held that have lost their mass | rad²/s², 1/√kg | | [`HeldModes`] |
+//! | `λ_k`, `φ_k` | fixed-interface modes, massless contacts | rad²/s², 1/√kg | | [`HeldModes`] |
 //!
 //! ```
 //! use nlmodes_linalg::sparse_from_triplets;

@@ -22,7 +22,8 @@ pub(crate) struct Residual {
 }
 
 impl Residual {
-    /// What answers beside the modes `shapes`. Their product with `M` is computed here, once for any number of loads.
+    /// The static response beyond the modes `shapes`. Their product with `M` is computed here, once for any number of
+    /// loads.
     pub fn beside<'a>(&'a self, shapes: &'a Mat<f64>) -> Beside<'a> {
         Beside { residual: self, shapes, modal_mass: multiply_many(&self.mass, shapes) }
     }
@@ -46,9 +47,10 @@ pub(crate) struct Beside<'a> {
 impl Beside<'_> {
     /// `G P` for the columns of `loads` (n × any).
     ///
-    /// `K x = P − M Φ Φᵀ P` with `Φᵀ M x = 0`: the modes' share is taken out of the load, not out of the answer, where
-    /// it would leave the rounding of the larger part behind. A floating structure has no `K⁻¹`, but such loads are in
-    /// balance, and `x ← (K + sM)⁻¹ (P + s M x)` converges by `s/(ω² + s)` a time, ω that of the first mode left out.
+    /// `K x = P − M Φ Φᵀ P` with `Φᵀ M x = 0`: the modes' share is removed from the load, not from the response, where
+    /// it would leave rounding errors of the larger part. A floating structure has no `K⁻¹`, but such loads are
+    /// self-equilibrated, and `x ← (K + sM)⁻¹ (P + s M x)` converges by a factor `s/(ω² + s)` per iteration, where ω is
+    /// that of the first truncated mode.
     pub fn answer(&self, mut loads: Mat<f64>) -> Mat<f64> {
         let modal = self.shapes.transpose() * &loads;
         loads -= &self.modal_mass * modal;
@@ -115,7 +117,7 @@ mod tests {
 
     #[test]
     fn the_form_of_the_contacts_is_what_full_answers_give_and_there_is_none_of_what_floats() {
-        // A chain of masses of which the first is held or not, in newtons and metres.
+        // A chain of masses, the first fixed or not, in newtons and metres.
         for held in [true, false] {
             let (n, stiffness) = (80, 2e7);
             let mut entries = vec![(0, 0, if held { stiffness } else { 0.0 })];

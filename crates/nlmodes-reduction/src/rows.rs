@@ -123,7 +123,7 @@ impl OpenModes {
         seen
     }
 
-    /// What answers statically to these loads (n × any, N) beside the retained modes, m: `(K⁻¹ − Φ Ω⁻² Φᵀ) P`.
+    /// Static response to these loads (n × any, N) beyond the retained modes, m: `(K⁻¹ − Φ Ω⁻² Φᵀ) P`.
     ///
     /// # Panics
     /// If the loads have another size than the structure.

@@ -24,7 +24,7 @@ const FIRST: usize = 5;
 const START: usize = 160;
 const FROM: [usize; 3] = [5, 20, 80];
 
-/// Largest residual of a solution, and how often Newton's method goes on from where it stopped.
+/// Largest residual of a solution, and how often Newton's method is restarted.
 const SOLVED: f64 = 1e-8;
 const ROUNDS: usize = 4;
 
@@ -92,7 +92,7 @@ fn solutions(case: &Case) -> Result<Solutions> {
     Ok((all, state))
 }
 
-/// The solution at the level one next to a guess, if the residual says so.
+/// The solution at level one near a guess, if the residual confirms it.
 fn refined(system: &mut PeriodicSystem, guess: &[f64]) -> Refined {
     let held: Vec<f64> = (0..=guess.len()).map(|j| f64::from(u8::from(j == guess.len()))).collect();
     let mut found = system.refine(guess, 1.0, &held);

@@ -26,13 +26,13 @@ pub struct BaseMotion {
     pub rigid: Vec<f64>,
     /// What the level multiplies.
     pub unit: BaseUnit,
-    /// Whether the stops stand fixed in space; else they move with the base.
+    /// Whether the stops are fixed in space; otherwise they move with the base.
     pub stop_is_fixed: bool,
 }
 
 impl BaseMotion {
-    /// For `supported`, of which `free` is the same structure with no support: the rows that supports take away hold
-    /// `M_LB`. Degrees of freedom of the kind `direction` move with the base; those in `massless` have lost their mass.
+    /// For `supported`, where `free` is the same structure without supports: the rows removed by supports contain
+    /// `M_LB`. Degrees of freedom of the kind `direction` move with the base; those in `massless` are massless.
     ///
     /// Returns `None` where a degree of freedom of `supported` is not one of `free`.
     pub fn of_supports(

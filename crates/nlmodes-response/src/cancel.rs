@@ -1,14 +1,14 @@
 use std::fmt;
 use std::sync::Arc;
 
-/// Who may end a computation between two points of a curve; nobody by default.
+/// Cancellation of a computation between two points of a curve; none by default.
 ///
-/// Equal to its clones, and to any other that nobody ends.
+/// Equal to its clones, and to any other without cancellation.
 #[derive(Clone, Default)]
 pub struct Cancel(Option<Arc<dyn Fn() -> bool + Send + Sync>>);
 
 impl Cancel {
-    /// `ask` is asked after each point whether the computation is to end there.
+    /// `ask` is called after each point to decide whether the computation ends there.
     pub fn new(ask: impl Fn() -> bool + Send + Sync + 'static) -> Self {
         Self(Some(Arc::new(ask)))
     }

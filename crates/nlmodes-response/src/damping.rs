@@ -6,7 +6,7 @@ use crate::Weights;
 /// Damping of a structure with its contacts open.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Damping {
-    /// Damping ratios mode by mode; the last one goes on.
+    /// Damping ratios mode by mode; the last one is repeated.
     Ratios(Vec<f64>),
     /// `C = mass M + stiffness K`, 1/s and s.
     Rayleigh {
@@ -15,7 +15,7 @@ pub enum Damping {
         /// Factor of the stiffness, s.
         stiffness: f64,
     },
-    /// `Ĉ = Φᵀ C Φ` in the open modes, m × m, symmetric, 1/s.
+    /// `Ĉ = Φᵀ C Φ` in the free-interface modes, m × m, symmetric, 1/s.
     Coupled(Mat<f64>),
 }
 

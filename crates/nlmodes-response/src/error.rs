@@ -65,7 +65,7 @@ pub enum ResponseError {
         /// Why it went no further.
         why: String,
     },
-    /// It was asked to end before there was a point.
+    /// The end was requested before the first point.
     #[error("it was asked to end before there was a point")]
     Stopped,
     /// The periodic problem.

@@ -18,7 +18,7 @@ pub struct ContactPattern<'a> {
     y: Vec<Vec<Complex64>>,
     /// Of each contact whose stop dissipates, the displacement of the stop, harmonic by harmonic.
     stops: Vec<Option<Vec<Complex64>>>,
-    /// Ends in phase (rad) of the stretches with one closed set, one after the other from 0 to 2π, and `dλ/dy` there.
+    /// Ends in phase (rad) of the segments with constant closed set, in order from 0 to 2π, and `dλ/dy` there.
     stretches: Vec<([f64; 2], Mat<f64>)>,
 }
 
@@ -27,7 +27,7 @@ pub struct ContactPattern<'a> {
 pub struct ContactState {
     /// Displacement, velocity, acceleration.
     pub motion: [f64; 3],
-    /// Contact force, not negative but for rounding.
+    /// Contact force, nonnegative to rounding.
     pub force: f64,
 }
 
@@ -99,16 +99,15 @@ impl ResponseModel {
 }
 
 impl ContactPattern<'_> {
-    /// Ends in phase (rad) of the stretches in which the closed contacts stay the same, one after the other from 0 to
-    /// 2π.
+    /// Ends in phase (rad) of the segments with unchanged closed contacts, in order from 0 to 2π.
     pub fn stretches(&self) -> Vec<[f64; 2]> {
         self.stretches.iter().map(|(ends, _)| *ends).collect()
     }
 
-    /// The contacts at a phase (rad) in a stretch, whose formulas hold at its ends too.
+    /// The contacts at a phase (rad) in a segment, whose formulas also hold at its ends.
     ///
     /// # Panics
-    /// If there is no such stretch.
+    /// If there is no such segment.
     pub fn state(&self, tau: f64, stretch: usize) -> Vec<ContactState> {
         let (structure, s) = (self.model.structure(), &self.stretches[stretch].1);
         let (a, c) = (structure.compliance().a(), structure.n_contacts());

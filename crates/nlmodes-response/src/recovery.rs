@@ -1,4 +1,4 @@
-//! Displacements of a motion wherever they are asked for, and what its load does.
+//! Displacements of a motion at requested positions, and the work of its load.
 
 use nlmodes_hbm::{PeriodicMotion, ResponseRow};
 use nlmodes_linalg::sparse_from_triplets;
@@ -8,7 +8,7 @@ use num_complex::Complex64;
 use crate::model::Weights;
 use crate::{ResponseError, ResponseModel};
 
-/// What the forces of a load and the velocities of their points say together.
+/// Power of the forces of a load.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForcePower {
     /// Mean power, W.

@@ -16,7 +16,7 @@ pub struct ResponseSettings {
     pub contact_solver: String,
     /// Window of the frequency of the load, or of a damped mode, rad/s: a curve ends where it leaves it.
     pub window: [f64; 2],
-    /// Mode near which phase resonance is looked for, or that is followed as a damped mode, from 1. Default 1.
+    /// Mode near which phase resonance is sought, or that is followed as a damped mode, from 1. Default 1.
     pub mode: usize,
     /// Lag of the drive point at phase resonance, rad. Default a quarter of a turn.
     pub lag: f64,
@@ -32,7 +32,7 @@ pub struct ResponseSettings {
     pub max_branches: usize,
     /// Levels at which phase resonances are to be reported. Default none.
     pub levels: Vec<f64>,
-    /// Who may end a curve. Default nobody.
+    /// Cancellation of a curve. Default none.
     pub cancel: Cancel,
     /// Where the steps of curves are kept. Default nowhere.
     pub log: StepLog,

@@ -1,4 +1,5 @@
-//! What the responses say of each other: each channel against all others, at one place and through the linear modes.
+//! Mutual consistency of the responses: each channel compared with all others, at the same position and through the
+//! linear modes.
 //!
 //! ```text
 //! min_η Σ_i |x_i − φ_i η|²/σ_i² + Σ_k |η_k|²/τ_k²
@@ -20,9 +21,9 @@ const SHAPE_ERROR: f64 = 2e-3;
 const OTHER_MODES: f64 = 3.0;
 /// The same at least: no linear mode is known exactly.
 const LEAST: f64 = 0.02;
-/// Sizes of unknowns of which nothing is known, over those of the motion.
+/// Magnitudes of unknowns without information, relative to those of the motion.
 const FREE: f64 = 1e3;
-/// Entries of a shape below this share of its largest one tell nothing about the size of its mode.
+/// Entries of a shape below this fraction of its largest one give no information on the amplitude of its mode.
 const NODE: f64 = 0.01;
 
 /// The fundamental from one channel.
@@ -44,7 +45,7 @@ pub struct Row {
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct Common {
-    /// Sum of the squares of what is left, over what is expected.
+    /// Sum of the squared residuals, relative to the expected one.
     pub misfit: f64,
     /// Expected displacement of every row with its standard deviation.
     pub expected: Vec<(Complex64, f64)>,
@@ -177,8 +178,8 @@ mod tests {
         Row { channel: place, place, shape, value, noise }
     }
 
-    /// Two sensors at one place have the mean that their variances weigh, and are as far from each other as their
-    /// difference is beside its deviation.
+    /// Two sensors at the same position have their variance-weighted mean, and their distance is their difference
+    /// relative to its standard deviation.
     #[test]
     fn sensors_at_one_place_have_their_weighted_mean_in_any_unit() {
         for unit in [1.0, 1e-9, 1e4] {
@@ -187,7 +188,7 @@ mod tests {
             let consensus = Consensus { rows, modes: None, omega: 7.0 };
             let squares = [(a, 0.02), (b, 0.1)].map(|(x, noise)| (0.05 * x.norm()).powi(2) + (noise * unit).powi(2));
             let [wa, wb] = squares.map(f64::recip);
-            // Of what is not known at all there is a thousandth of the largest one's weight.
+            // Quantities without information get a thousandth of the largest weight.
             let prior = (1e3 * b.norm()).powi(-2);
             let common = consensus.common(&[0, 1]).unwrap();
             let (mean, error) = common.expected[1];

@@ -3,16 +3,16 @@ use thiserror::Error;
 
 use crate::extraction::Finding;
 
-/// Why no modal point comes out of a record.
+/// Why a record gives no modal point.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ExtractionError {
     /// The record does not serve.
     #[error("{}: {finding}", finding.name())]
     Refused {
-        /// What stands in the way.
+        /// The reason.
         finding: Box<Finding>,
-        /// What was found beside it.
+        /// Other findings.
         others: Vec<Finding>,
     },
     /// No frequency near the first guess makes the record periodic.
@@ -23,7 +23,7 @@ pub enum ExtractionError {
         /// Name of the channel.
         channel: String,
     },
-    /// The harmonics cannot be told apart.
+    /// The harmonics cannot be separated.
     #[error("{harmonics} harmonics of {frequency_hz:.6} Hz cannot be told apart in {samples} samples")]
     Harmonics {
         /// Number of harmonics.
@@ -49,7 +49,7 @@ pub enum ExtractionError {
 }
 
 impl ExtractionError {
-    /// Short names of what was found, the one that stands in the way first, separated by spaces.
+    /// Short names of the findings, the decisive one first, separated by spaces.
     pub fn names(&self) -> String {
         match self {
             Self::Refused { finding, others } => Finding::names(std::iter::once(&**finding).chain(others)),

@@ -10,8 +10,8 @@ const CONVERGED: f64 = 1e-9;
 /// The same for the stages before the last.
 const NEAR: f64 = 1e-4;
 
-/// Refines a phase step (rad a sample) so that its harmonics fit the signal best: Gauss-Newton on the least squares
-/// problem in coefficients and frequency, of which the coefficients are eliminated (variable projection).
+/// Refines a phase step (rad a sample) so that its harmonics fit the signal best: Gauss-Newton on the least-squares
+/// problem in coefficients and frequency, with the coefficients eliminated (variable projection).
 ///
 /// `harmonics` are taken in the end. `None` if it leaves the neighbourhood of the start, or finds nothing.
 pub fn refine(signal: &[f64], start: f64, harmonics: usize) -> Option<f64> {
@@ -118,8 +118,8 @@ mod tests {
         assert!(from_phase(&[1.0; 10], 1.0, "p").is_err());
     }
 
-    /// With a part that is not periodic the least of the squares is not zero; the frequency is there where Gauss and
-    /// Newton stand still.
+    /// With a part that is not periodic the least of the squares is not zero; the frequency is the fixed point of
+    /// Gauss-Newton.
     #[test]
     fn the_frequency_found_is_a_stationary_point_of_the_least_squares() {
         let (f, rate, periods) = (40.1, 20_000.0, 5.3);

@@ -23,7 +23,7 @@ impl HarmonicFit {
     /// `n_harmonics` of a frequency whose phase advances by `step` (rad) from sample to sample, over `n_samples`.
     ///
     /// # Errors
-    /// [`ExtractionError::Harmonics`] if they cannot be told apart: less than about a period, or harmonics at half the
+    /// [`ExtractionError::Harmonics`] if they cannot be separated: less than about a period, or harmonics at half the
     /// sampling rate.
     pub fn new(n_harmonics: usize, step: f64, n_samples: usize) -> Result<Self, ExtractionError> {
         let refuse =

@@ -1,4 +1,4 @@
-//! Which channels of a record stand for what.
+//! Roles of the channels of a record.
 
 use nlmodes_modal::{LinearModes, noise_level};
 use num_complex::Complex64;
@@ -19,7 +19,7 @@ pub struct Place {
     pub members: Vec<(usize, u32)>,
 }
 
-/// Which channels of a record stand for what. Numbers are those of the record's channels.
+/// Roles of the channels of a record. Numbers are those of the record's channels.
 #[derive(Debug, Clone)]
 pub struct Layout {
     pub force: Option<usize>,
@@ -28,7 +28,7 @@ pub struct Layout {
     pub phase: Option<usize>,
     /// Places of all motion channels that have a position, ascending.
     pub places: Vec<Place>,
-    /// The motion channel that tells the frequency best.
+    /// The motion channel that determines the frequency best.
     pub reference: Option<usize>,
 }
 
@@ -107,7 +107,8 @@ pub fn find(places: &[Place], position: f64) -> Option<usize> {
     places.iter().position(near)
 }
 
-/// The linear modes at the places that have a sensor, as many as can be told apart, and the places in their order.
+/// The linear modes at the places that have a sensor, as many as can be distinguished, and the positions in their
+/// order.
 pub fn modes_at(
     modes: &LinearModes,
     places: &[Place],

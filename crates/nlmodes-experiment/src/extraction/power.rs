@@ -74,7 +74,7 @@ mod tests {
         assert!(ExcitationPower::new(&[], &[], 3).indicator().is_nan());
     }
 
-    /// The fundamental has `½|F₁||V₁| cos φ`, however many harmonics are in the sums beside it.
+    /// The fundamental has `½|F₁||V₁| cos φ`, however many other harmonics are in the sums.
     #[test]
     fn apparent_powers_are_products_of_effective_values() {
         for (size, turn) in [(1.0, 0.0), (1e-6, 0.7), (2e3, -2.0)] {

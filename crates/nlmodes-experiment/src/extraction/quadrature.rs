@@ -60,7 +60,7 @@ mod tests {
         }
     }
 
-    /// The angle of the place that moves most out of phase, of which half a turn is none.
+    /// The angle at the position with the largest motion out of phase, modulo half a turn.
     #[test]
     fn the_angle_out_of_phase_is_that_from_the_nearer_sense_of_the_shape() {
         for (angle, expected) in

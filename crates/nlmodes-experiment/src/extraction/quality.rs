@@ -1,4 +1,4 @@
-//! Channels that cannot be used, and what is not periodic.
+//! Unusable channels, and nonperiodic parts.
 
 use crate::extraction::blocks::Blocks;
 use crate::extraction::guess::strongest_frequency;
@@ -107,7 +107,7 @@ pub fn aperiodic(
     }
 }
 
-/// Reports a sampling rate that the file tells with few digits.
+/// Reports a sampling rate given with few digits in the file.
 pub fn sample_rate(record: &Record, tolerances: &Tolerances, findings: &mut Vec<Finding>) {
     let (rate_hz, relative) = (record.sample_rate, record.rate_error);
     if relative > tolerances.sample_rate {

@@ -48,7 +48,7 @@ pub struct Stop {
     pub position: f64,
     /// Clearance at rest, m.
     pub gap: f64,
-    /// Whether it stands on the positive side.
+    /// Whether it is on the positive side.
     pub positive: bool,
 }
 
@@ -92,7 +92,7 @@ impl Default for Tolerances {
 mod tests {
     use super::*;
 
-    /// What users read beside each of them.
+    /// The text for each of them.
     #[test]
     fn tolerances_are_those_that_their_words_say() {
         let words = include_str!("settings.rs");

@@ -14,7 +14,7 @@ pub struct AppropriationSettings {
     pub modes: LinearModes,
     /// What each of these sensors measures.
     pub quantities: Vec<ResponseQuantity>,
-    /// Which of them stands at the drive point.
+    /// Index of the drive point.
     pub drive: usize,
     /// Sampling interval, s.
     pub step: f64,
@@ -68,8 +68,9 @@ impl AppropriationSettings {
 /// N or N/V, measured beforehand with the exciter on the structure. With `N_c = 1` there is the phase-locked loop
 /// alone, under which a force sensor shows whatever harmonics the exciter has.
 ///
-/// At a drive point that harmonic `n` does not move, `F*_n` has no bound; it is then held at the largest one permitted,
-/// and the state [says so](AppropriationState::is_limited). Shapes and units: amplitudes in SI units, one a harmonic.
+/// At a drive point without motion in harmonic `n`, `F*_n` is unbounded; it is then limited to the largest permitted
+/// one, and the state [indicates this](AppropriationState::is_limited). Shapes and units: amplitudes in SI units, one
+/// per harmonic.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForceAppropriation {
     settings: AppropriationSettings,
@@ -171,7 +172,7 @@ pub struct AppropriationState {
     harmonics: usize,
     force: AdaptiveState,
     motions: Vec<AdaptiveState>,
-    /// Displacements at the sensors in one harmonic, while it is looked at.
+    /// Work space for the displacements at the sensors in one harmonic.
     motion: Vec<Complex64>,
     drive: [Complex64; MAX_HARMONICS],
     wanted: [Complex64; MAX_HARMONICS],
@@ -201,7 +202,8 @@ impl AppropriationState {
         self.limited.get(n.wrapping_sub(1)).copied().unwrap_or(false)
     }
 
-    /// The same state with the drive held at `drive` in the harmonics 1, 2 …, as for measuring how the force answers.
+    /// The same state with the drive fixed at `drive` in the harmonics 1, 2 …, as for measuring the transfer function
+    /// of the force.
     #[must_use]
     pub fn held_at(mut self, drive: &[Complex64]) -> Self {
         self.drive = [Complex64::ZERO; MAX_HARMONICS];
@@ -250,7 +252,7 @@ mod tests {
             assert!((state.wanted()[2] - expected).norm() < 1e-6 * expected.norm(), "{} {expected}", state.wanted()[2]);
             let found = state.force()[2];
             assert!((found - Complex64::new(0.0, 0.05)).norm() < 1e-7 && !state.is_limited(3));
-            // The force does not follow here: the drive goes on at κ (F* − F)/G.
+            // The force does not follow here: the drive continues at κ (F* − F)/G.
             let before = state.drive()[2];
             run(&control, &mut state, 0.5);
             let rate = (state.drive()[2] - before) / 0.5;

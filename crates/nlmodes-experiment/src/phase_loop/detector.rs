@@ -115,7 +115,7 @@ impl PreparedDetector {
                     response: response.step(x, wave, filter),
                 }
             }
-            // The state of another loop: begin anew with this one's detector.
+            // The state belongs to another loop: restart with the detector of this one.
             (detector, _) => detector.step(&detector.start(), theta, f, x),
         }
     }

@@ -40,7 +40,7 @@ pub enum PhaseLoopError {
         /// Where that limit comes from.
         reason: &'static str,
     },
-    /// The detector has no room for so many harmonics.
+    /// Too many harmonics for the detector.
     #[error("{harmonics} harmonics in the phase detector: 1 to {most}")]
     Harmonics {
         /// Wanted.
@@ -48,7 +48,7 @@ pub enum PhaseLoopError {
         /// Most.
         most: usize,
     },
-    /// There is nothing to control in so many harmonics, or no room.
+    /// Too few harmonics to control, or too many.
     #[error("{harmonics} controlled harmonics: 2 to {most}, the first being that of the loop")]
     ControlledHarmonics {
         /// Wanted.
@@ -63,7 +63,7 @@ pub enum PhaseLoopError {
         sensors: usize,
         /// Coordinates of the modes.
         expected: usize,
-        /// Which one is said to be at the drive point, from zero.
+        /// The declared drive point, from zero.
         drive: usize,
     },
     /// The force does not answer to the drive.

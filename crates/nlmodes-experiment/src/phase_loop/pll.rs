@@ -71,14 +71,14 @@ impl PhaseLockedLoop {
 
     /// The state after the samples `force` and `response`, taken at the phase [`LoopState::drive_phase`] of `state`.
     ///
-    /// The phase of the result is that of the next sample, one step later. Samples that are not finite are passed over:
-    /// the drive goes on at its frequency, and the loop counts as not locked.
+    /// The phase of the result is that of the next sample, one step later. Samples that are not finite are ignored: the
+    /// drive continues at its frequency, and the loop counts as not locked.
     pub fn step(&self, state: &LoopState, force: f64, response: f64) -> LoopState {
         let mut next = *state;
         let finite = force.is_finite() && response.is_finite();
         if finite {
             next.detector = self.detector.step(&state.detector, state.theta, force, response);
-            // Samples near the end of the range of numbers overflow: the detector begins anew.
+            // Samples near the floating-point limit overflow: the detector restarts.
             if !next.detector.fundamentals().iter().all(|z| z.is_finite()) {
                 next.detector = self.detector.start();
             }
@@ -103,7 +103,7 @@ impl PhaseLockedLoop {
         state.locked = state.within > 0.0 && state.within >= self.settings.lock.duration;
     }
 
-    /// Loop filter. At an end of the range the integral stands still rather than wind up.
+    /// Loop filter. At an end of the range the integral is frozen (anti-windup).
     fn control(&self, state: &mut LoopState, error: f64) {
         let [low, high] = self.settings.range;
         let integral = state.integral + self.gains.integral * error * self.settings.step;

@@ -16,7 +16,7 @@ pub struct LoopSettings {
     pub range: [f64; 2],
     /// What the response sensor measures.
     pub quantity: ResponseQuantity,
-    /// Wanted lag of the *displacement* behind the force, rad; `π/2` at phase resonance.
+    /// Target lag of the *displacement* behind the force, rad; `π/2` at phase resonance.
     pub displacement_lag: f64,
     /// How the lag is measured.
     pub detector: PhaseDetector,
@@ -35,7 +35,7 @@ impl LoopSettings {
     /// frequency of the resonance as range.
     ///
     /// A slower detector filters more noise, but where contact bends the backbone strongly a slow loop loses the motion
-    /// and has to come up anew: on the beam of the paper at 6.5 N with `ω_0/20`, not with `ω_0/10`.
+    /// and has to climb again: on the beam of the paper at 6.5 N with `ω_0/20`, not with `ω_0/10`.
     pub fn new(resonance: Resonance, start: f64, step: f64) -> Self {
         Self {
             step,

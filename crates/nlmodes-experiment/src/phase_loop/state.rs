@@ -43,27 +43,27 @@ impl LoopState {
         self.detector.fundamentals()
     }
 
-    /// Whether the lag error has been within its tolerance for the time asked for.
+    /// Whether the lag error has been within its tolerance for the required time.
     pub fn is_locked(&self) -> bool {
         self.locked
     }
 
-    /// Whether the frequency stands at an end of its range.
+    /// Whether the frequency is at an end of its range.
     pub fn is_at_limit(&self) -> bool {
         self.at_limit
     }
 
-    /// Whether the frequency is held.
+    /// Whether the frequency is frozen.
     pub fn is_held(&self) -> bool {
         self.held
     }
 
-    /// The same state with the frequency held (`true`) or controlled (`false`). Phases are measured in either case.
+    /// The same state with the frequency frozen (`true`) or controlled (`false`). Phases are measured in either case.
     pub fn hold_frequency(self, held: bool) -> Self {
         Self { held, ..self }
     }
 
-    /// The same state with the frequency held at `omega`, rad/s, as a generator would that knows nothing of the phase.
+    /// The same state with the frequency frozen at `omega`, rad/s, as for a generator without phase control.
     pub fn hold_frequency_at(self, omega: f64) -> Self {
         Self { held: true, omega, ..self }
     }

@@ -11,9 +11,9 @@ use crate::records::{Column, Declared, Record, RecordError, RecordTable, SampleR
 /// Name of the time column that is written.
 pub const TIME_COLUMN: &str = "time_s";
 
-/// Reads a table: a header with the names of the columns, then a row of numbers a sample. Columns are separated by
-/// commas, semicolons or tabs; `nan` and an empty field stand for a missing number. The time column (s) gives the
-/// sampling rate and is left out of the table.
+/// Reads a table: a header with the names of the columns, then one row of numbers per sample. Columns are separated by
+/// commas, semicolons or tabs; `nan` and an empty field mean a missing number. The time column (s) gives the sampling
+/// rate and is not in the table.
 ///
 /// # Errors
 /// [`RecordError`]; each names the line. Line ends of one file must be alike, numbers have decimal points.
@@ -68,7 +68,7 @@ fn rows(reader: &mut Reader<&[u8]>, names: &[String], time: Option<&str>, separa
     Ok((columns.collect(), times))
 }
 
-/// A column; a unit may stand in brackets behind its name.
+/// A column; its name may be followed by a unit in brackets.
 fn column(name: &str, values: Vec<f64>) -> Column {
     let unit = name.strip_suffix([')', ']']).and_then(|name| Some(name.rsplit_once(['(', '['])?.1));
     let declared = Declared { unit: unit.unwrap_or_default().to_owned(), ..Declared::default() };
@@ -103,7 +103,7 @@ fn number(field: &str, line: u64, column: &str) -> Result<f64, RecordError> {
     })
 }
 
-/// The line end of the text; an error if it has several, or bytes that text has not.
+/// The line end of the text; an error if it has several, or non-text bytes.
 fn line_end(bytes: &[u8]) -> Result<&'static str, RecordError> {
     let (mut expected, mut line, mut at) = (None, 1, 0);
     while at < bytes.len() {
@@ -127,7 +127,7 @@ fn line_end(bytes: &[u8]) -> Result<&'static str, RecordError> {
     Ok(expected.unwrap_or("LF"))
 }
 
-/// The separator that stands most often in the first line.
+/// The most frequent separator in the first line.
 fn separator(bytes: &[u8]) -> u8 {
     let first = bytes.split(|byte| matches!(byte, b'\n' | b'\r')).next().unwrap_or_default();
     let count = |separator: u8| first.iter().filter(|byte| **byte == separator).count();

@@ -1,4 +1,4 @@
-//! What a file says of the numbers of a column, against how the scene describes it.
+//! The description of a column in the file, compared with that in the scene.
 
 use std::fmt;
 
@@ -10,7 +10,7 @@ const SAME_UNIT: f64 = 1e-3;
 /// Factor within which a sensitivity corrects the calibration and does not change the unit.
 const CALIBRATION: f64 = 2.0;
 
-/// What a file says that a column holds.
+/// Quantity of a column according to the file.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum DeclaredQuantity {
     /// Nothing, or a general one.
@@ -22,7 +22,7 @@ pub enum DeclaredQuantity {
     Other(&'static str),
 }
 
-/// Units in which all numbers of a file are: so many of them are one of the SI.
+/// Units of all numbers of a file, as the number per SI unit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnitSystem {
     /// Its name in the file.
@@ -33,12 +33,12 @@ pub struct UnitSystem {
     pub force: f64,
 }
 
-/// What a file says of the numbers of a column.
+/// Description of a column in the file.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Declared {
     /// What is measured.
     pub quantity: DeclaredQuantity,
-    /// Unit beside the column; empty where there is none.
+    /// Unit of the column; empty if none.
     pub unit: String,
     /// Units of the whole file.
     pub system: Option<UnitSystem>,

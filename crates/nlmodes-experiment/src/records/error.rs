@@ -80,7 +80,7 @@ pub enum RecordError {
         line: u64,
         /// Name of the column.
         column: String,
-        /// What stands there.
+        /// The actual contents.
         text: String,
     },
     /// No number where one is expected.
@@ -90,13 +90,13 @@ pub enum RecordError {
         line: u64,
         /// Name of the column.
         column: String,
-        /// What stands there.
+        /// The actual contents.
         text: String,
     },
     /// Something else in a text table.
     #[error("the table cannot be read: {message}")]
     Table {
-        /// What the reader says.
+        /// Message of the reader.
         message: String,
     },
     /// The header names a column twice, or none at all.
@@ -104,7 +104,7 @@ pub enum RecordError {
     Header {
         /// The name.
         name: String,
-        /// How often it stands there.
+        /// Number of occurrences.
         count: usize,
     },
     /// Fewer than two samples.
@@ -149,22 +149,22 @@ pub enum RecordError {
         /// The second one.
         second: String,
     },
-    /// The file says that a channel measures something else.
+    /// The file has another quantity for a channel.
     #[error("channel \"{channel}\": the file says that it measures {found}, the scene says {declared}")]
     QuantityDisagrees {
         /// Name of the channel.
         channel: String,
-        /// What the file says.
+        /// According to the file.
         found: &'static str,
-        /// What the scene says.
+        /// According to the scene.
         declared: Quantity,
     },
-    /// The file says that a channel is in another unit.
+    /// The file has another unit for a channel.
     #[error("channel \"{channel}\": the file says {header}, the scene says {quantity} in \"{declared}\"")]
     UnitDisagrees {
         /// Name of the channel.
         channel: String,
-        /// What the file says.
+        /// According to the file.
         header: String,
         /// Unit of the scene.
         declared: String,
@@ -208,7 +208,7 @@ pub enum RecordError {
         /// Channels described.
         described: usize,
     },
-    /// Time does not go on evenly.
+    /// Time steps are not uniform.
     #[error(
         "sample {sample} stands {deviation:.3} sampling intervals from where an even time axis has it; samples lost or a clock that drifts?"
     )]

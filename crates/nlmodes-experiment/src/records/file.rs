@@ -7,7 +7,7 @@ use crate::records::{
     write_npy, write_uff, write_wav,
 };
 
-/// What is known of a recording beside its files.
+/// Data of a recording in addition to its files.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Recording {
     /// Channels to take from each file.
@@ -19,7 +19,7 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Reads a record; the ending of the name tells the format: `.csv`, `.uff` or `.unv`, `.wav`, `.npy`.
+    /// Reads a record; the file extension determines the format: `.csv`, `.uff` or `.unv`, `.wav`, `.npy`.
     ///
     /// # Errors
     /// [`RecordError`].
@@ -64,7 +64,7 @@ impl Recording {
     }
 }
 
-/// Writes a record in SI units; the ending of the name tells the format. Universal Files are binary.
+/// Writes a record in SI units; the file extension determines the format. Universal Files are binary.
 ///
 /// # Errors
 /// [`RecordError`].

@@ -41,8 +41,7 @@ pub fn read_npy(source: impl Read) -> Result<RecordTable, RecordError> {
     Ok(RecordTable { columns: (0..channels).map(column).collect(), named: false })
 }
 
-/// Lets pass only what describes a plain array: the parser behind it recurses over brackets and multiplies lengths
-/// unchecked.
+/// Accepts only headers of plain arrays: the parser after it recurses over brackets and multiplies lengths unchecked.
 fn check_header(bytes: &[u8]) -> Result<(), String> {
     let start = if bytes.get(6) == Some(&1) { 10 } else { 12 };
     let claimed = bytes.get(8..start).unwrap_or_default().iter().rev().fold(0_usize, |n, b| (n << 8) | usize::from(*b));
@@ -78,7 +77,7 @@ fn numbers(file: NpyFile<&[u8]>) -> Result<Vec<f64>, RecordError> {
 
 fn convert<T: Deserialize>(file: NpyFile<&[u8]>, to: impl Fn(T) -> f64) -> Result<Vec<f64>, RecordError> {
     let data = file.data::<T>().map_err(|error| refuse(error.to_string()))?;
-    // Memory is taken as the numbers come, whatever the header claims.
+    // Memory is allocated as the numbers are read, whatever the header claims.
     let mut values = Vec::new();
     for x in data {
         values.push(to(x.map_err(|error| refuse(format!("it ends after {} numbers: {error}", values.len())))?));

@@ -1,6 +1,6 @@
 use std::fmt;
 
-/// What reading a record brought up that does not stand in its way.
+/// Remarks from reading a record.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Remark {
@@ -17,11 +17,11 @@ pub enum Remark {
         /// Samples that all have in common.
         samples: usize,
     },
-    /// What a file says of a unit does not fit the scene, or itself.
+    /// The unit in a file contradicts the scene, or the file itself.
     HeaderDisagrees {
         /// Name of the channel.
         channel: String,
-        /// What the file says, against what.
+        /// The unit in the file, and what it contradicts.
         header: String,
     },
 }

@@ -26,7 +26,7 @@ impl SampleRate {
     /// Of time stamps (s), each with the given rounding error (s): of all of them, so that rounding counts little.
     ///
     /// # Errors
-    /// [`RecordError::Empty`] with fewer than two, [`RecordError::UnevenTime`] if they do not go on evenly.
+    /// [`RecordError::Empty`] with fewer than two, [`RecordError::UnevenTime`] if they are not uniform.
     pub fn of_times(times: &[f64], rounding: f64) -> Result<Self, RecordError> {
         let (interval, relative_error) = time_axis::interval(times, rounding)?;
         Ok(Self { hz: 1.0 / interval, relative_error })
@@ -47,7 +47,7 @@ impl SampleRate {
     }
 }
 
-/// Half a unit of the last digit of a number as it is written.
+/// Half a unit of the last written digit of a number.
 pub fn rounding(text: &str) -> f64 {
     let (mantissa, exponent) = text.split_once(['e', 'E', 'd', 'D']).unwrap_or((text, "0"));
     let decimals = mantissa.split_once('.').map_or(0, |(_, decimals)| decimals.trim_end().len());
@@ -55,8 +55,7 @@ pub fn rounding(text: &str) -> f64 {
     0.5 * 10f64.powi(exponent.saturating_sub(decimals as i32))
 }
 
-/// Decimals and significant digits of a column of numbers: the most that stand there, since some writers drop zeros at
-/// the end.
+/// Decimals and significant digits of a column of numbers: the maximum, since some writers drop trailing zeros.
 #[derive(Debug, Clone, Copy)]
 pub struct Digits {
     finest: f64,
@@ -71,7 +70,7 @@ impl Default for Digits {
 }
 
 impl Digits {
-    /// Takes a number of the column as it is written.
+    /// Processes a number of the column as written.
     pub fn see(&mut self, text: &str, value: f64) {
         self.finest = self.finest.min(rounding(text));
         let mantissa = text.split(['e', 'E', 'd', 'D']).next().unwrap_or_default();

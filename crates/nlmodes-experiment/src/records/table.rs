@@ -19,11 +19,11 @@ pub struct Column {
     pub name: String,
     /// Other names under which it can be found.
     pub aliases: Vec<String>,
-    /// Sampling rate, where the file tells one.
+    /// Sampling rate, if given in the file.
     pub rate: Option<SampleRate>,
-    /// Instant of the first sample, where the file tells it for each column.
+    /// Instant of the first sample, if given in the file for each column.
     pub start: Option<Start>,
-    /// What the file says of the numbers.
+    /// Description of the numbers in the file.
     pub declared: Declared,
     /// Recorded numbers.
     pub values: Vec<f64>,
@@ -33,7 +33,7 @@ pub struct Column {
 type Picked = Vec<(Channel, Column)>;
 
 impl Column {
-    /// A column of which nothing is known but its name.
+    /// A column with only its name known.
     pub fn new(name: impl Into<String>, values: Vec<f64>) -> Self {
         let name = name.into();
         Self { name, aliases: vec![], rate: None, start: None, declared: Declared::default(), values }
@@ -117,7 +117,7 @@ impl RecordTable {
         Ok(record)
     }
 
-    /// Where the column of this name stands.
+    /// Index of the column of this name.
     fn find(&self, name: &str) -> Result<Option<usize>, RecordError> {
         let own = |column: &&Column| column.name == name;
         let called = |column: &&Column| column.aliases.iter().any(|alias| alias == name);
@@ -143,7 +143,7 @@ impl RecordTable {
     }
 }
 
-/// The rate that all channels have, as exactly as the most exact of them tells it; a declared one is taken as known.
+/// The common rate of all channels, from the most precise of them; a declared one is exact.
 fn common_rate(picked: &[(Channel, Column)], declared: Option<f64>) -> Result<SampleRate, RecordError> {
     let rates = || picked.iter().filter_map(|(channel, column)| Some((&channel.name, column.rate?)));
     let best = rates().min_by(|a, b| a.1.relative_error.total_cmp(&b.1.relative_error));

@@ -1,8 +1,8 @@
-//! The even axis behind time stamps that were written with few digits.
+//! The uniform time axis from time stamps with few digits.
 
 use crate::records::RecordError;
 
-/// A time stamp may stand this share of the sampling interval off an even axis, beside the rounding of its text.
+/// A time stamp may deviate by this fraction of the sampling interval from a uniform axis, in addition to rounding.
 const JITTER: f64 = 0.1;
 /// Rounding below this share of the interval lets single intervals be judged.
 const FINE: f64 = 0.125;
@@ -18,7 +18,7 @@ const GOLDEN: f64 = 0.618_033_988_749_894_8;
 /// little. Its error is no estimate but a bound: intervals beyond it need a stamp that is further off than rounding.
 ///
 /// # Errors
-/// [`RecordError::Empty`] with fewer than two, [`RecordError::UnevenTime`] at the place where they do not go on evenly.
+/// [`RecordError::Empty`] with fewer than two, [`RecordError::UnevenTime`] at the position where they are not uniform.
 pub fn interval(times: &[f64], rounding: f64) -> Result<(f64, f64), RecordError> {
     let n = times.len();
     if n < 2 {
@@ -100,8 +100,8 @@ fn limit(times: &[f64], mut slope: f64, width: f64) -> f64 {
     slope
 }
 
-/// Where the stamps do not go on evenly, and by how many intervals: the first interval of another length; for stamps
-/// that are too coarse for that, the step that explains most; else the stamp that is furthest off.
+/// Where the stamps are not uniform, and by how many intervals: the first interval of another length; for stamps that
+/// are too coarse for that, the step that explains most; otherwise the stamp with the largest deviation.
 fn irregular(times: &[f64], slope: f64, rounding: f64) -> (usize, f64) {
     let mut intervals: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let middle = intervals.len() / 2;
@@ -119,8 +119,8 @@ fn irregular(times: &[f64], slope: f64, rounding: f64) -> (usize, f64) {
     step(times)
 }
 
-/// The step in the stamps that explains most of what their line leaves: its first sample and its height over the
-/// interval beside it.
+/// The step in the stamps that explains most of the deviation from their line: its first sample and its height relative
+/// to the adjacent interval.
 fn step(times: &[f64]) -> (usize, f64) {
     let (n, slope) = (times.len() as f64, slope(times));
     let (centre, mean) = (0.5 * (n - 1.0), times.iter().sum::<f64>() / n);
@@ -146,7 +146,7 @@ fn step(times: &[f64]) -> (usize, f64) {
 mod tests {
     use super::*;
 
-    /// Stamps as text with so many decimals has them.
+    /// Stamps rounded to this many decimals.
     fn stamps(rate: f64, n: usize, decimals: i32) -> Vec<f64> {
         let unit = 10f64.powi(decimals);
         (0..n).map(|j| (j as f64 / rate * unit).round() / unit).collect()

@@ -1,9 +1,9 @@
 //! Universal File Format, dataset 58 (function at nodal degree of freedom), as text and as binary (58b).
 //!
-//! A file is a sequence of datasets between lines that hold `−1` alone. Dataset 58 has eleven header lines of
-//! fixed-width fields and then the ordinates: real or complex, in single or double precision, over an even or an uneven
-//! abscissa; in 58b these are binary, in either byte order. All of these are read and written. The units of dataset 164
-//! are kept with the functions behind it; datasets of other types are passed over.
+//! A file is a sequence of datasets between lines with only `−1`. Dataset 58 has eleven header lines of fixed-width
+//! fields and then the ordinates: real or complex, in single or double precision, over an even or an uneven abscissa;
+//! in 58b these are binary, in either byte order. All of these are read and written. The units of dataset 164 apply to
+//! the functions after it; datasets of other types are skipped.
 
 mod bytes;
 mod dataset;
@@ -109,8 +109,8 @@ fn quantity(kind: i32) -> DeclaredQuantity {
 
 /// Writes the channels of a record in SI units, a dataset each, in double precision.
 ///
-/// The sampling interval stands in a header field of six digits. Where it needs more, a reader takes the rate from its
-/// user, or to a relative error of 5e-6 from the header.
+/// The sampling interval is a header field of six digits. If it needs more, a reader uses a rate given by the user, or
+/// that of the header with a relative error of 5e-6.
 ///
 /// # Errors
 /// [`RecordError`] if the stream cannot be written.

@@ -2,7 +2,7 @@
 
 use crate::records::Quantity;
 
-/// Spellings that stand for another one, in the order in which they are replaced; without blanks.
+/// Alternative spellings, in the order of replacement; without blanks.
 const SPELLINGS: [(&str, &str); 21] = [
     ("²", "^2"),
     ("**", "^"),
@@ -27,7 +27,7 @@ const SPELLINGS: [(&str, &str); 21] = [
     ("inch", "in"),
 ];
 
-/// What the word for a unit says.
+/// Meaning of a unit name.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum UnitWord {
     /// Of this quantity, with its factor to SI.
@@ -42,7 +42,7 @@ pub fn usual(text: &str) -> String {
     SPELLINGS.iter().fold(bare, |text, (found, usual)| text.replace(found, usual))
 }
 
-/// What a word says, in whatever case where that leaves one unit only; `None` for no word of a unit that is known.
+/// Meaning of a word, case-insensitive if unambiguous; `None` for an unknown unit.
 pub fn read(text: &str) -> Option<UnitWord> {
     let word = usual(text);
     if ["v", "mv", "uv", "volt", "volts"].contains(&word.to_lowercase().as_str()) {

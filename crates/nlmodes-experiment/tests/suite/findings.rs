@@ -1,4 +1,4 @@
-//! Each thing that a careful experimenter wants to be told, made and found.
+//! Each finding, produced and detected.
 
 use crate::support;
 
@@ -222,7 +222,7 @@ fn a_lag_off_phase_resonance_is_said() {
     assert!((lag_deg - exact).abs() < 0.01, "{lag_deg} {exact}");
 }
 
-/// A tenth short of what is worth telling, and a tenth beyond it.
+/// A tenth below the reporting threshold, and a tenth above it.
 #[test]
 fn what_is_worth_telling_begins_where_its_documentation_says() {
     let told = |record: &Record, name: &str| found(record, &settings()).iter().any(|finding| finding.name() == name);

@@ -1,4 +1,4 @@
-//! What the header of a Universal File says of start, unit, quantity and names of a channel counts.
+//! Start, unit, quantity and names of a channel in the header of a Universal File are used.
 
 use crate::support;
 
@@ -135,7 +135,7 @@ fn units_and_quantities_of_the_header_are_held_against_the_scene() {
         assert!(matches!(error, RecordError::QuantityDisagrees { .. }), "{kind}: {error}");
     }
     assert!([0, 1, 12].iter().all(|kind| with(&|set, _| set.ordinate_axis.kind = *kind).is_ok()));
-    // What the scene says too, or what a sensitivity makes of it.
+    // The same in the scene, or converted by a sensitivity.
     let in_g = with(&|set, channel| {
         set.ordinate_axis.unit = "G".into();
         channel.unit = "g".into();
@@ -200,7 +200,7 @@ fn a_dataset_164_is_held_against_the_scene() {
         .into();
     }
     assert!(with(&sets, 1e3, 1e-3, &channels).unwrap().remarks.is_empty());
-    // A unit beside the channel goes before that of the file; that both disagree is said.
+    // A unit given with the channel has priority over that of the file; disagreement is reported.
     for (set, channel) in sets.iter_mut().zip(&record.channels) {
         set.ordinate_axis.unit = channel.quantity.si_unit().into();
     }
@@ -224,7 +224,7 @@ fn all_identification_lines_name_a_channel_and_names_that_are_there_are_said() {
     assert!(!text.contains("rate"), "{text}");
     let error = read(&bytes, &[channel("v2;1234")]).unwrap_err();
     assert!(matches!(error, RecordError::Ambiguous { count: 6, .. }), "{error}");
-    // Some are there: those that are not described are named beside those that are missing.
+    // Some exist: undescribed ones are listed together with missing ones.
     let found = read(&bytes, &[record.channels[0].clone(), record.channels[1].clone(), channel("y")]).unwrap();
     assert!(extracted(&found).findings.iter().any(|finding| finding.to_string().contains("a_2")), "{found:?}");
     sets[0].identification[2] = "also".into();
@@ -232,7 +232,7 @@ fn all_identification_lines_name_a_channel_and_names_that_are_there_are_said() {
     assert!(matches!(error, RecordError::SameColumn { .. }), "{error}");
 }
 
-/// An entity of more than ten letters shifts node and direction behind it.
+/// An entity of more than ten letters shifts node and direction.
 #[test]
 fn a_long_entity_does_not_hide_the_channel() {
     let record = sound();

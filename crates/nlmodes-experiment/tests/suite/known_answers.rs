@@ -163,8 +163,8 @@ fn the_mode_indicator_has_its_closed_form_and_a_reversed_force_is_said() {
     assert_eq!(reversed.finding_names(), "reversed-force");
     let said = reversed.findings[0].to_string();
     assert!(said.contains("-0.8944") && said.contains("from 10 harmonics"), "{said}");
-    // Without a limit all harmonics below half the sampling rate count, and their number is said: 75 · 33.3 Hz < 2500
-    // Hz.
+    // Without a limit all harmonics below half the sampling rate are used, and their number is reported: 75 · 33.3 Hz <
+    // 2500 Hz.
     let all = extract(&distorted(1.0), &ExtractionSettings::default()).unwrap();
     assert_eq!(all.excitation.unwrap().power.harmonics, 75);
 }

@@ -49,7 +49,7 @@ fn read(format: Format, bytes: &[u8]) -> Result<RecordTable, RecordError> {
     }
 }
 
-/// Reads as a user would, and looks at the words of the error.
+/// Reads as a user would, and checks the text of the error.
 fn survives(format: Format, bytes: &[u8]) {
     let outcome = read(format, bytes).and_then(|table| table.into_record("", &record().channels, Some(2000.0)));
     match outcome {
@@ -122,7 +122,7 @@ fn apply(damage: &Damage, bytes: &mut Vec<u8>) {
     }
 }
 
-/// 600, or what the environment variable says.
+/// 600, or the value of the environment variable.
 fn cases() -> u32 {
     std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(600)
 }

@@ -17,7 +17,7 @@ fn settings() -> LoopSettings {
     LoopSettings::new(RESONANCE, RESONANCE.omega, STEP)
 }
 
-/// Phases and lags that the loop reads from `(force, response)` at a held frequency, after four seconds.
+/// Phases and lags measured by the loop from `(force, response)` at a fixed frequency, after four seconds.
 fn lags(settings: LoopSettings, signals: impl Fn(f64) -> (f64, f64)) -> Vec<(f64, f64)> {
     let pll = PhaseLockedLoop::new(settings).unwrap();
     let mut state = pll.start().hold_frequency(true);

@@ -1,7 +1,7 @@
 //! Universal Files against pyuff, an independent implementation in Python.
 //!
-//! Runs where the program named by the environment variable `PYTHON`, or else `python3`, can import pyuff; elsewhere it
-//! says so and passes.
+//! Runs if the program in the environment variable `PYTHON`, or `python3`, can import pyuff; otherwise it prints a note
+//! and passes.
 
 use std::path::Path;
 use std::process::Command;

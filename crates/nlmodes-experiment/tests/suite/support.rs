@@ -10,7 +10,7 @@ use nlmodes_experiment::records::{Channel, Quantity, Record, Role};
 use nlmodes_modal::LinearModes;
 use num_complex::Complex64;
 
-/// Normal numbers from a seed.
+/// Normal random numbers from a seed.
 #[derive(Debug)]
 pub struct Normal(u64);
 

@@ -1,4 +1,4 @@
-//! Sampling rates that files tell with few digits: in the figures, their uncertainty, and a finding.
+//! Sampling rates given with few digits: effect on results, uncertainty, and a finding.
 
 use crate::support;
 
@@ -15,7 +15,7 @@ fn made(n: usize) -> Record {
     Motion::example(TAU * 40.0, 12).record(RATE, n, 0.0, 1)
 }
 
-/// The record through a table whose time stamps have so many decimals.
+/// The record as a table whose time stamps have this many decimals.
 fn through_csv(record: &Record, decimals: usize, rate: Option<f64>) -> Record {
     let mut text = String::from("t");
     record.channels.iter().for_each(|channel| write!(text, ",{}", channel.name).unwrap());
@@ -36,7 +36,7 @@ fn coarse_stamps_are_in_frequency_and_uncertainty_and_are_said() {
         let found = extracted(&through_csv(&made(n), 3, None));
         let hz = found.omega.times(1.0 / TAU);
         assert!((hz.value - 40.0).abs() < 1e-4, "{n}: {hz:?}");
-        // As exact as the stamps tell it: a millisecond over the length of the record, or less.
+        // As accurate as the stamps permit: a millisecond over the length of the record, or less.
         let bound = 40.0 * 1e-3 * RATE / n as f64;
         assert!((hz.value - 40.0).abs() < 2.0 * hz.uncertainty && hz.uncertainty < bound, "{n}: {hz:?}");
         assert!(hz.uncertainty > 0.05 * bound, "{n}: {hz:?}");
@@ -62,7 +62,7 @@ fn damping_amplitude_and_power_carry_the_error_of_the_rate() {
     let found = extracted(&blurred);
     let relative = |x: nlmodes_experiment::extraction::Measured| x.uncertainty / x.value;
     assert!((relative(found.omega) / 1e-3 - 1.0).abs() < 1e-3);
-    // What another rate gives is what the error must say: the same samples 0.1 % faster.
+    // The difference with another rate must be within the stated error: the same samples 0.1 % faster.
     let mut faster = record.clone();
     faster.sample_rate *= 1.001;
     let faster = extracted(&faster);

@@ -182,7 +182,7 @@ fn each_malformed_file_has_its_own_error() {
     assert!(said("  4.00000D", "  4,00000D").contains("write a decimal point"));
     assert!(said("  4.00000D", "  4.0x000D").contains("is not a number"));
     assert!(said("         2         7", "         9         7").contains("a type of ordinates"));
-    // The type of a dataset stands behind its mark: in the sixth line of this file.
+    // The type of a dataset follows its mark: in the sixth line of this file.
     assert!(
         said("    58\r", "    58b     3     2          11\r").contains("line 6"),
         "{}",
@@ -206,7 +206,7 @@ fn the_wrong_byte_order_is_recognised() {
         file[at..at + 7].copy_from_slice(b"b     2");
         assert!(matches!(read_uff58(&file), Err(UffError::ByteOrder { declared: "big-endian", .. })));
         file[at..at + 7].copy_from_slice(b"b     3");
-        // The order of the bytes stands in the field of columns 8 to 13.
+        // The byte order is in the field of columns 8 to 13.
         assert!(matches!(read_uff58(&file), Err(UffError::Field { line: 2, first: 8, last: 13, .. })));
     }
 }
@@ -226,7 +226,7 @@ fn a_binary_file_with_a_wrong_count_is_refused() {
     assert!(matches!(with("9999999999"), UffError::CutOff { announced: 9_999_999_999, .. }));
 }
 
-/// Fields 3 to 5 of the line before the axes; the format asks for zeros where the abscissa stands value by value.
+/// Fields 3 to 5 of the line before the axes; the format requires zeros if the abscissa is given value by value.
 #[test]
 fn an_uneven_abscissa_has_neither_begin_nor_step_in_the_header() {
     for (uneven, expected) in

@@ -1,4 +1,4 @@
-//! Modes with the contacts held: all of them together are the statics, and those of equal spans are taken apart.
+//! Fixed-interface modes: all of them together give the statics, and those of equal spans are separated.
 
 use nlmodes_fem::{Direction, MassMatrix, Material, Mesh, Rod, Stop, Support};
 use nlmodes_linalg::Mat;

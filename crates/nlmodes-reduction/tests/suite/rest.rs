@@ -96,7 +96,7 @@ fn closed_contacts_give_the_modes_of_the_held_structure() {
 #[test]
 fn the_estimate_of_the_truncation_bounds_its_error() {
     let model = rod(Support::Clamped, [0.0, 0.0], None, 1.0, 1.0);
-    // Held at tip and middle: the halves of length 1, the element matrices of which have this exact solution.
+    // Fixed at tip and middle: the halves of length 1, the element matrices of which have this exact solution.
     let theta = std::f64::consts::PI / (ELEMENTS / 2) as f64;
     let h = 2.0 / ELEMENTS as f64;
     let exact = (6.0 * 0.6 / (h * h) * (1.0 - theta.cos()) / (2.0 + theta.cos())).sqrt();
@@ -116,7 +116,7 @@ fn a_floating_structure_rests_only_where_nothing_presses() {
     assert_eq!(apart.rest(&[], solver.as_ref()).unwrap().closed, [false, false]);
     let pressed = open(&rod(Support::Free, [-0.1, 0.2], None, 1.0, 1.0), 6);
     assert_eq!(pressed.rest(&[], solver.as_ref()).unwrap_err(), ReductionError::FloatingRest);
-    // Its tip held, it is a rod held at one end: the rigid motion is gone.
+    // With its tip fixed it is a rod fixed at one end: there is no rigid-body motion.
     let closed = apart.closed_modes(&[true, false]).unwrap();
     assert!(closed.omega_squared[0].sqrt() > 0.5);
     assert!(matches!(apart.closed_modes(&[true]).unwrap_err(), ReductionError::Dimension { .. }));
@@ -143,7 +143,7 @@ fn the_estimate_for_two_equal_bodies_is_that_of_one_before_a_wall() {
 }
 
 /// Two rods side by side, one a little softer, joined by a spring that ranges from nothing to a hundredth of them:
-/// their modes come in pairs of hardly different frequency, of which one moves the contact hardly at all.
+/// their modes come in pairs of hardly different frequency, one of which hardly moves the contact.
 #[test]
 fn the_estimate_compares_a_mode_with_itself_however_little_bodies_are_joined() {
     let (model, n) = (rod(Support::Clamped, [0.0, 0.0], None, 1.0, 1.0), ELEMENTS);

@@ -8,9 +8,9 @@ use crate::{ResponseCurve, ResponseError, ResponseModel, ResponseSettings};
 /// The damped nonlinear mode `settings.mode` from grazing to `energy_ratio` times the energy there, or to an end of the
 /// window.
 ///
-/// `M q̈ + (C − ξ M) q̇ + K q = W λ`: the motion that the damped structure keeps up where a force balances the damping
-/// in all harmonics. Damping ratio `D = ξ/(2ω)` ([`nlmodes_hbm::PeriodicMotion::damping_ratio`]); multipliers are those
-/// of the motion with its negative damping, of which one is +1 by the free phase: stability is not given.
+/// `M q̈ + (C − ξ M) q̇ + K q = W λ`: the periodic motion of the damped structure if a force balances the damping in
+/// all harmonics. Damping ratio `D = ξ/(2ω)` ([`nlmodes_hbm::PeriodicMotion::damping_ratio`]); multipliers are those of
+/// the motion with its negative damping, of which one is +1 by the free phase: stability is not computed.
 ///
 /// # Errors
 /// [`ResponseError`] where there is no start; a curve that ends early is none.

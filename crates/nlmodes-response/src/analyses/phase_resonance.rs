@@ -51,7 +51,7 @@ pub fn phase_resonance(
     curve.follow((omega, base * settings.subharmonic as f64))
 }
 
-/// The linear response, whose phase is looked at near a mode.
+/// The linear response, whose phase is evaluated near a mode.
 struct Linear<'a> {
     model: &'a ResponseModel,
     settings: &'a ResponseSettings,
@@ -59,7 +59,7 @@ struct Linear<'a> {
     solver: &'a dyn LcpSolver,
 }
 
-/// Frequencies looked at in the search, and the share of the mode's frequency to both sides.
+/// Number of frequencies in the search, and its range relative to the mode's frequency on both sides.
 const GRID: (usize, f64) = (600, 0.25);
 
 impl Linear<'_> {

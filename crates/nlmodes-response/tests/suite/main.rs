@@ -1,4 +1,5 @@
-//! All tests of `nlmodes-response` beside those in its sources, as one binary: each would link all dependencies once more.
+//! All tests of `nlmodes-response` beside those in its sources, in one binary, so that the dependencies are linked only
+//! once.
 
 mod beam;
 mod curves;

@@ -70,9 +70,9 @@ pub enum Abscissa {
         first: f64,
         /// Step.
         step: f64,
-        /// Rounding error of the step as it stands in the header.
+        /// Rounding error of the step in the header.
         rounding: f64,
-        /// Rounding error of the first value as it stands in the header.
+        /// Rounding error of the first value in the header.
         first_rounding: f64,
     },
     /// Value by value.
@@ -157,7 +157,7 @@ impl Dataset58 {
     }
 }
 
-/// Whether an identification line says when: hours, minutes and seconds behind a date.
+/// Whether an identification line has a time: hours, minutes and seconds after a date.
 fn is_time(label: &str) -> bool {
     label.starts_with(|c: char| c.is_ascii_digit()) && label.matches(':').count() == 2
 }

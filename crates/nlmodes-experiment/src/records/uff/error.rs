@@ -34,7 +34,7 @@ pub enum UffError {
         first: usize,
         /// Last column.
         last: usize,
-        /// What stands there.
+        /// The actual contents.
         text: String,
         /// What is expected.
         expected: &'static str,
@@ -72,7 +72,7 @@ pub enum UffError {
     NotANumber {
         /// Line, from 1.
         line: usize,
-        /// What stands there.
+        /// The actual contents.
         text: String,
         /// Whether a decimal comma explains it.
         decimal_comma: bool,
@@ -90,7 +90,7 @@ pub enum UffError {
     ByteOrder {
         /// Line, from 1.
         line: usize,
-        /// What the header says.
+        /// Value in the header.
         declared: &'static str,
     },
     /// A function that is not a record in time.
@@ -106,7 +106,7 @@ pub enum UffError {
     TimeUnit {
         /// Name of the dataset.
         name: String,
-        /// What stands there.
+        /// The actual contents.
         unit: String,
     },
     /// A sampling interval that is not positive.

@@ -43,8 +43,8 @@ impl Line<'_> {
         UffError::Field { line: self.number, first: first + 1, last, text: self.text(first, last), expected }
     }
 
-    /// Response and reference: entity, node and direction of each, from column 31 on. An entity of more than its ten
-    /// letters shifts what stands behind it: words are then taken one after the other.
+    /// Response and reference: entity, node and direction of each, from column 31 on. An entity of more than ten
+    /// letters shifts the rest: words are then read one after the other.
     pub fn nodes(&self) -> Result<[Node; 2], UffError> {
         let by_columns = || Ok([self.node(31)?, self.node(56)?]);
         by_columns().or_else(|error| self.shifted_nodes().ok_or(error))

@@ -1,4 +1,4 @@
-//! A file line by line, where binary numbers may stand between the lines.
+//! A file line by line, possibly with binary numbers between the lines.
 
 /// A place in the bytes of a file.
 #[derive(Debug, Clone)]

@@ -64,7 +64,7 @@ fn storage(line: Line<'_>) -> Result<Option<Storage>, UffError> {
     Ok(Some(Storage::Binary(order)))
 }
 
-/// What the header says about the numbers.
+/// Description of the numbers in the header.
 struct Layout {
     precision: Precision,
     complex: bool,
@@ -151,7 +151,7 @@ fn start_rounding(text: &str, first: f64) -> f64 {
     if first == 0.0 { 0.0 } else { field_rounding(text, first) }
 }
 
-/// Rounding error of a number in a field of six digits, of which some writers drop zeros.
+/// Rounding error of a number in a field of six digits, possibly without trailing zeros.
 fn field_rounding(text: &str, number: f64) -> f64 {
     let six_digits = 0.5 * 10f64.powf(number.abs().log10().floor() - 5.0);
     if six_digits > 0.0 { rounding(text).min(six_digits) } else { rounding(text) }
@@ -169,7 +169,7 @@ impl Layout {
         self.n_values.checked_mul(self.width()).ok_or(too_many)
     }
 
-    /// Ordinates, and the abscissa where it stands value by value.
+    /// Ordinates, and the abscissa if given value by value.
     fn split(&self, numbers: &[f64]) -> (Ordinates, Option<Vec<f64>>) {
         let values = || numbers.chunks_exact(self.width());
         let from = usize::from(self.uneven);
@@ -182,7 +182,7 @@ impl Layout {
     }
 }
 
-/// Reads binary numbers and the end mark behind them.
+/// Reads binary numbers and the end mark after them.
 fn binary(lines: &mut Lines<'_>, layout: &Layout, order: ByteOrder) -> Result<Vec<f64>, UffError> {
     let line = lines.number;
     let announced = layout.announced(line)?;
@@ -209,8 +209,7 @@ fn binary(lines: &mut Lines<'_>, layout: &Layout, order: ByteOrder) -> Result<Ve
 mod tests {
     use super::*;
 
-    /// A field of six digits is rounded in the sixth, even where a writer drops the zeros at its end, but for a finer
-    /// one that it has.
+    /// A field of six digits is rounded in the sixth, even if a writer drops trailing zeros, unless it has more digits.
     #[test]
     fn a_step_is_rounded_in_its_sixth_digit_or_finer() {
         for (text, step, expected) in [

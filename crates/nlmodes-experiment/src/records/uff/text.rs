@@ -18,7 +18,7 @@ pub fn widths(precision: Precision, complex: bool, uneven: bool) -> Vec<usize> {
 /// Reads `announced` numbers up to the end mark.
 pub fn read(lines: &mut Lines<'_>, widths: &[usize], announced: usize) -> Result<Vec<f64>, UffError> {
     let begin = lines.number;
-    // Memory is taken as the numbers come, whatever the header claims.
+    // Memory is allocated as the numbers are read, whatever the header claims.
     let mut numbers = Vec::new();
     loop {
         let number = lines.number;

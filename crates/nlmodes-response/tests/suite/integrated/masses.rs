@@ -118,7 +118,7 @@ impl Masses {
         (s, fundamental)
     }
 
-    /// The motion of so many periods near a state, by shooting.
+    /// The motion of this many periods near a state, by shooting.
     pub fn shoot(&self, omega: f64, start: [f64; 4], periods: usize) -> ([f64; 4], Complex64) {
         let sizes = [1.0, 1.0, omega, omega].map(|v| v * self.size());
         let off = |s: &[f64; 4]| {
