@@ -151,7 +151,7 @@ fn held<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
     of.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Whether nothing was said for this long; from now on something was.
+/// Whether nothing was printed for this long; resets the time.
 fn is_due(last: &Mutex<Instant>, interval: Duration) -> bool {
     let mut last = held(last);
     let due = last.elapsed() >= interval;

@@ -43,7 +43,7 @@ pub(crate) enum Anchor {
     End,
 }
 
-/// A picture under construction; lengths in pixels from its upper left corner.
+/// A picture being drawn; lengths in pixels from its upper left corner.
 #[derive(Debug)]
 pub(crate) struct Svg {
     width: f64,

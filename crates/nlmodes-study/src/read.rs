@@ -31,7 +31,7 @@ impl Study {
         })?)
     }
 
-    /// Reads and checks the text of a study; `name` stands in messages, and paths are relative to its directory.
+    /// Reads and checks the text of a study; `name` is used in messages, and paths are relative to its directory.
     ///
     /// # Errors
     /// [`SceneError`] with all errors of the study or its scene.

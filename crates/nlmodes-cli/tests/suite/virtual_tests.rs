@@ -16,7 +16,7 @@ fn scene() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../configs/virtual_test.toml")
 }
 
-/// Exit status and what was said.
+/// Exit status and output.
 fn call(arguments: &[&str], scene: &Path, out: &Path, set: &[&str]) -> Result<(i32, String), Box<dyn Error>> {
     let mut command = Command::cargo_bin("nlmodes-cli")?;
     command.args(arguments).arg(scene).arg("--out").arg(out);

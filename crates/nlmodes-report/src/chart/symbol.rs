@@ -62,7 +62,7 @@ impl Shape {
     }
 }
 
-/// Corners of a regular polygon that stands on a side (`turn` 0.5: even, or upside down).
+/// Vertices of a regular polygon with a horizontal side (`turn` 0.5: even, or upside down).
 fn corners(at: (f64, f64), n: usize, radius: f64, turn: f64) -> Vec<(f64, f64)> {
     (0..n).map(|k| on_circle(at, radius, TAU * (k as f64 + turn) / n as f64)).collect()
 }
@@ -71,7 +71,7 @@ fn star(at: (f64, f64)) -> Vec<(f64, f64)> {
     (0..10).map(|k| on_circle(at, if k % 2 == 0 { 6.6 } else { 2.8 }, TAU * k as f64 / 10.0)).collect()
 }
 
-/// Four arms; `turn` in quarters of a turn.
+/// A cross; `turn` in quarters of a turn.
 fn plus(at: (f64, f64), turn: f64) -> Vec<(f64, f64)> {
     let arm = [(-0.32, 6.0), (0.32, 6.0), (0.5 * FRAC_PI_2, 2.7)];
     (0..4)

@@ -1,4 +1,4 @@
-//! What is said of files and contacts that look wrong, of rows of cubes that are held together by springs.
+//! Warnings about suspicious files and contacts, for rows of cubes connected by springs.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -14,7 +14,7 @@ const CUBE: f64 = 7850.0 * EDGE * EDGE * EDGE;
 /// Corners of a cross section in the order of a solid's, in edges along y and z.
 const SECTION: [[f64; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
 
-/// Rows of three cubes along x. Layer by layer they have nodes from `first` on; the nodes of one end are held and have
+/// Rows of three cubes along x. Layer by layer they have nodes from `first` on; the nodes of one end are fixed and have
 /// no rows.
 struct Row {
     first: usize,
@@ -98,7 +98,7 @@ fn scene(folder: &TempDir, structure: &str, contact: &str) -> Outcome<String> {
     let shifted =
         |cube: &[usize; 8]| std::array::from_fn(|k| cube[k] + if k < 4 || cube[k] % 100 > 12 { 0 } else { 4 });
     fs::write(at("other.inp"), deck(&ROWS, &cubes.iter().map(shifted).collect::<Vec<_>>()))?;
-    // The first row alone, and seven rows of which the matrices have two.
+    // The first row alone, and seven rows, two of which are in the matrices.
     fs::write(at("small.inp"), deck(&ROWS[..1], &ROWS[0].cubes()))?;
     let more = (2..7).map(|row| Row { first: 100 * row + 1, start: 5.0 * row as f64 * EDGE, held_layer: 0 });
     let rows: Vec<Row> = ROWS.into_iter().chain(more).collect();
@@ -112,7 +112,7 @@ fn scene(folder: &TempDir, structure: &str, contact: &str) -> Outcome<String> {
     Ok(at("scene.toml").to_string_lossy().into_owned())
 }
 
-/// What `check` says: status, warnings and errors, outline.
+/// Output of `check`: status, warnings and errors, outline.
 fn checked(structure: &str, contact: &str) -> Outcome<(Option<i32>, String, String)> {
     let folder = tempdir()?;
     let output = call(&["check", &scene(&folder, structure, contact)?])?;
@@ -192,7 +192,7 @@ fn what_looks_wrong_is_warned_of() -> Outcome {
 
 #[test]
 fn a_wall_behind_the_nodes_presses() -> Outcome {
-    // What vibrates then touches nothing: the other row, and the first one across.
+    // The vibrating parts then have no contact: the other row, and the first one transversely.
     let (_, errors, _) = checked(SI, &format!("{TIP}wall_point_m = [0.0298, 0.0, 0.0]"))?;
     let says = "`contact.0.wall_point_m` has a negative gap at all 4 nodes: at rest the structure is pressed against this stop, which stands up to 0.0002 m";
     assert!(errors.contains(says), "{errors}");
@@ -234,14 +234,14 @@ fn check_says_which_nodes_cannot_touch_and_what_was_assumed() -> Outcome {
     Ok(())
 }
 
-/// A matrix as CalculiX writes it.
+/// A matrix in the format of CalculiX.
 fn sti(n: usize, entry: impl Fn(usize, usize) -> f64) -> String {
     let upper = (0..n).flat_map(|j| (0..=j).map(move |i| (i, j)));
     upper.map(|(i, j)| format!("{} {} {:e}\n", i + 1, j + 1, entry(i, j))).collect()
 }
 
-/// A chain of four nodes, clamped before the first one, whose three elements have an unknown each that a strain moves,
-/// as those of C3D8I.
+/// A chain of four nodes, clamped before the first one, each of whose three elements has an internal unknown driven by
+/// strain, as those of C3D8I.
 fn chain(folder: &TempDir, more: &str) -> Outcome<(String, String)> {
     let at = |name: &str| folder.path().join(name);
     let stiffness = |i: usize, j: usize| match (i, j) {
@@ -279,7 +279,7 @@ fn no_mass_is_said_where_unknowns_within_elements_are_among_the_nodes() -> Outco
     Ok(())
 }
 
-/// Two equal rods, each before its own stop; and a rod that nothing holds.
+/// Two equal rods, each with its own stop; and a free rod.
 #[test]
 fn modes_of_the_same_frequency_and_bodies_that_are_pushed_to_one_side_are_warned_of() -> Outcome {
     let folder = tempdir()?;
@@ -306,7 +306,7 @@ fn modes_of_the_same_frequency_and_bodies_that_are_pushed_to_one_side_are_warned
         let warned = said(&twice, mode, &[(8, 1.0), (16, 1.0)])?;
         assert!(warned.contains(same), "{warned}");
     }
-    // One stop, or two at one of them, choose their motion themselves.
+    // One stop, or two at one of them, determine the motion uniquely.
     assert_eq!(said(&twice, 1, &[(8, 1.0)])?, "");
     assert_eq!(said(&twice, 1, &[(8, 1.0), (8, -1.0)])?, "");
     let free = super::free_rod(8);
@@ -317,7 +317,7 @@ fn modes_of_the_same_frequency_and_bodies_that_are_pushed_to_one_side_are_warned
     Ok(())
 }
 
-/// A rod whose first mode moves its contact, beside the clamped end, by an eighth of its tip.
+/// A rod whose first mode moves its contact, next to the clamped end, by an eighth of its tip.
 #[test]
 fn a_mode_that_hardly_moves_the_contacts_is_warned_of() -> Outcome {
     let folder = tempdir()?;
@@ -338,7 +338,7 @@ fn a_mode_that_hardly_moves_the_contacts_is_warned_of() -> Outcome {
     let warned = said(1, 0.01)?;
     assert!(warned.contains("mode 1 (1300 Hz) hardly moves the contacts: where node 1 has gone"), "{warned}");
     assert!(warned.contains("node 12 is displaced by 0.0766 m, in a structure of 0.917 m"), "{warned}");
-    // Small displacements, or a contact that the mode is about.
+    // Small displacements, or a contact that dominates the mode.
     for (node, gap) in [(1, 1e-4), (12, 0.05)] {
         assert_eq!(said(node, gap)?, "", "{node} {gap}");
     }

@@ -1,4 +1,4 @@
-//! What is said of structures from files, and what is there for other programs.
+//! Messages about structures from files, and files for other programs.
 
 use std::fs;
 
@@ -56,7 +56,7 @@ fn the_plate_runs_and_its_motion_is_there_for_paraview() -> Outcome {
     assert_eq!(collection.matches("<DataSet").count(), 24);
     let frame = fs::read_to_string(folder.path().join("motion_000.vtu"))?;
     assert!(["displacement", "contact_force", "gap"].iter().all(|name| frame.contains(&format!("Name=\"{name}\""))));
-    // One node covers no face; the tips of the rotor's blades do.
+    // A single node covers no face; the tips of the rotor's blades do.
     assert!(!frame.contains("contact_pressure"));
     run(&configs("structures/rotor.toml"), folder.path(), &["continuation.max_energy_ratio=1.05"])?;
     assert!(fs::read_to_string(folder.path().join("motion_000.vtu"))?.contains("Name=\"contact_pressure\""));
@@ -91,7 +91,7 @@ fn what_does_not_fit_is_refused_with_its_reason() -> Outcome {
     Ok(())
 }
 
-/// What `check` says of these matrices; `rows` name node and component.
+/// Output of `check` for these matrices; `rows` give node and component.
 fn said_of((k, m): (&super::Matrix, &super::Matrix), rows: &[(usize, &str)]) -> Outcome<String> {
     let folder = tempdir()?;
     let at = |name: &str| folder.path().join(name);
@@ -114,7 +114,7 @@ fn said_of((k, m): (&super::Matrix, &super::Matrix), rows: &[(usize, &str)]) -> 
 
 #[test]
 fn a_missing_support_and_a_buckled_structure_are_named() -> Outcome {
-    // A free rod along x before the wall, and another one along y that touches nothing.
+    // A free rod along x with the wall, and another one along y without contact.
     let (k, m) = free_rod(12);
     let rows: Vec<(usize, &str)> = along_x(0, 13).into_iter().chain((100..113).map(|node| (node, "uy"))).collect();
     let said = said_of((&beside(&k, &k), &beside(&m, &m)), &rows)?;
