@@ -209,7 +209,7 @@ pub(crate) fn check(file: &SceneFile, observer: &mut dyn Observer) -> Result<Opt
     let list = &file.scene.method.harmonics_list;
     // They differ in size only.
     let harmonics = list.iter().copied().max().unwrap_or(file.scene.method.harmonics);
-    let (start, _) = starts(file.scene.continuation.start);
+    let (start, _) = starts(file.scene.continuation.start());
     let settings = BranchSettings { start, harmonics, ..branch_settings(&file.scene) };
     check_branch(&massless, &settings).map_err(|error| refusal::of_branch_in(file, open.as_ref(), &error))?;
     Ok(open)
@@ -223,7 +223,7 @@ fn compute(
     journal: &mut Journal,
     sink: &mut Sink,
 ) -> Result<ComputedTree, BranchError> {
-    let (start, other) = starts(scene.continuation.start);
+    let (start, other) = starts(scene.continuation.start());
     let settings = BranchSettings { start, watch: sink.observer.watch(), ..branch_settings(scene) };
     let mut tree = compute_tree_with_log(model.clone(), &settings, journal, |progress| sink.take(progress))?;
     let ended = sink.failure.is_some() || journal.failure.is_some() || sink.observer.is_cancelled();

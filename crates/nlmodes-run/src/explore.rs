@@ -113,7 +113,7 @@ pub fn picture(file: &SceneFile, watch: Watch, structures: &Structures) -> Resul
     let Models { model: _, massless, .. } = models_sharing(file, structures)?;
     let plain = branch_settings(&file.scene);
     let settings = BranchSettings {
-        start: starts(file.scene.continuation.start).0,
+        start: starts(file.scene.continuation.start()).0,
         stability: StabilityRule::Never,
         at_branch_point: match plain.at_branch_point {
             BranchPointRule::All => BranchPointRule::Stay,

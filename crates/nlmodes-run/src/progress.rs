@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 use std::time::Instant;
 
 use nlmodes::modal::{Event, ModalPoint};
-use nlmodes_scene::number;
 use nlmodes_scene::scene::{Scene, Start};
+use nlmodes_scene::{counted, number};
 
 /// How far the branches of a scene are, as an observer hears of their points.
 #[derive(Debug, Clone)]
@@ -66,7 +66,7 @@ impl Progress {
         let way = self.limits.way([frequency, energy], self.points);
         let way = way.map_or_else(String::new, |(share, to)| format!(", {:.0} % of the way to {to}", 100.0 * share));
         let (points, event) = (self.points, &self.event);
-        format!("{points} points, {frequency:.4} Hz, {energy:.4e} J{way}{event}, {time:.0} s")
+        format!("{}, {frequency:.4} Hz, {energy:.4e} J{way}{event}, {time:.0} s", counted(points, "point"))
     }
 
     /// The last point, of this branch, with all that its row of the table begins with.
@@ -129,7 +129,7 @@ impl Limits {
             energy_ratio: continuation.max_energy_ratio,
             window: continuation.frequency_hz,
             points: continuation.max_points,
-            start: continuation.start,
+            start: continuation.start(),
             first: None,
         }
     }

@@ -23,16 +23,13 @@ pub use virtual_test::scene as test_scene;
 
 use std::path::{Path, PathBuf};
 
-use nodes::Nodes;
 use parts::Fixed;
 
 use crate::Diagnostics;
 use crate::check::contact::Body;
 use crate::check::response::Places;
-use crate::raw::{RawAnalysis, RawBodiesScene, RawMatrixScene, RawOutput, RawOverlay, RawScene, RawStructure};
-use crate::scene::{
-    Contact, MassRule, OutputFiles, Overlay, ReductionKind, Scene, SceneStructure, StabilityChoice, Structure,
-};
+use crate::raw::{RawAnalysis, RawBodiesScene, RawMatrixScene, RawMethod, RawScene, RawStructure};
+use crate::scene::{Contact, MassRule, Method, OutputFiles, Overlay, ReductionKind, Scene, SceneStructure, Structure};
 
 /// What a scene computes with, as far as its other tables have to fit it.
 pub struct Subject<'a> {
@@ -45,17 +42,15 @@ pub struct Subject<'a> {
 /// The checked scene, or `None` if an error among the diagnostics stands in its way. `stem` is the name of the file.
 pub fn scene(raw: &RawScene, stem: &str, base: &Path, diagnostics: &mut Diagnostics<'_>) -> Option<Scene> {
     let tables = raw.contact.as_deref().unwrap_or_default();
-    let stops: Vec<f64> = tables.iter().filter_map(|contact| contact.at_m).collect();
-    let nodes = raw.structure.as_ref().and_then(|raw| nodes::mesh(raw, &stops, diagnostics));
-    let structure = raw.structure.as_ref().and_then(|raw| {
-        let fixed = Fixed::of_one(raw, diagnostics);
-        structure::alone(raw, diagnostics);
-        structure::check(raw, nodes.as_ref(), &fixed, diagnostics)
-    });
-    let mesh = nodes.as_ref().map(|nodes| &nodes.mesh);
-    let contacts = contact::check(tables, &[Body { raw: raw.structure.as_ref(), mesh }], diagnostics);
+    let stops: Vec<f64> = tables.iter().map(|contact| contact.at_m).collect();
+    let nodes = nodes::mesh(&raw.structure, &stops, diagnostics)?;
+    let fixed = Fixed::of_one(&raw.structure, diagnostics);
+    structure::alone(&raw.structure, diagnostics);
+    let structure = structure::check(&raw.structure, &nodes, &fixed, diagnostics);
+    let bodies = [Body { raw: &raw.structure, mesh: &nodes.mesh }];
+    let contacts = contact::check(tables, &bodies, diagnostics);
     let structure = structure.map(SceneStructure::Straight);
-    let places = Places::along(raw.structure.as_ref(), mesh);
+    let places = Places::Along(&bodies[0]);
     let subject = Subject { places, contact_tables: tables.len() };
     let scene = rest(&raw.analysis, (stem, base), structure, contacts, &subject, diagnostics)?;
     plausible::warn(&scene, diagnostics);
@@ -65,18 +60,16 @@ pub fn scene(raw: &RawScene, stem: &str, base: &Path, diagnostics: &mut Diagnost
 
 /// The checked scene of several rods and beams, in the same way.
 pub fn bodies_scene(raw: &RawBodiesScene, stem: &str, base: &Path, diagnostics: &mut Diagnostics<'_>) -> Option<Scene> {
-    let (raws, tables) = (raw.structure.as_deref().unwrap_or_default(), raw.contact.as_deref().unwrap_or_default());
+    let (raws, tables) = (&raw.structure, raw.contact.as_deref().unwrap_or_default());
     let fixed = Fixed::of_several(raws, diagnostics);
     let (mut nodes, mut structures) = (Vec::new(), Vec::new());
     for (i, (raw, fixed)) in raws.iter().zip(&fixed).enumerate() {
         diagnostics.about_structure(Some(i));
-        let own = nodes::mesh(raw, &contact::stops_of(i, tables), diagnostics);
-        structures.push(structure::check(raw, own.as_ref(), fixed, diagnostics));
+        let own = nodes::mesh(raw, &contact::stops_of(i, tables), diagnostics)?;
+        structures.push(structure::check(raw, &own, fixed, diagnostics));
         nodes.push(own);
     }
-    let bodies = raws.iter().zip(&nodes);
-    let bodies: Vec<Body<'_>> =
-        bodies.map(|(raw, nodes)| Body { raw: Some(raw), mesh: nodes.as_ref().map(|nodes| &nodes.mesh) }).collect();
+    let bodies: Vec<Body<'_>> = raws.iter().zip(&nodes).map(|(raw, nodes)| Body { raw, mesh: &nodes.mesh }).collect();
     diagnostics.about_structure(None);
     let contacts = contact::check(tables, &bodies, diagnostics);
     let structures = structures.into_iter().collect::<Option<Vec<Structure>>>().map(SceneStructure::Several);
@@ -103,10 +96,10 @@ pub fn matrix_scene(raw: &RawMatrixScene, stem: &str, base: &Path, diagnostics: 
 
 /// A rod or beam of a scene that has its stops elsewhere, at these positions.
 fn one_structure(raw: &RawStructure, stops: &[f64], diagnostics: &mut Diagnostics<'_>) -> Option<Structure> {
-    let nodes: Option<Nodes> = nodes::mesh(raw, stops, diagnostics);
+    let nodes = nodes::mesh(raw, stops, diagnostics)?;
     let fixed = Fixed::of_one(raw, diagnostics);
     structure::alone(raw, diagnostics);
-    structure::check(raw, nodes.as_ref(), &fixed, diagnostics)
+    structure::check(raw, &nodes, &fixed, diagnostics)
 }
 
 /// What all structures share.
@@ -120,17 +113,14 @@ fn rest(
 ) -> Option<Scene> {
     let is_along = matches!(subject.places, Places::Along(_));
     let default = if is_along { ReductionKind::HeldModes } else { ReductionKind::OpenModes };
-    let kind = raw.reduction.as_ref().and_then(|reduction| reduction.kind).unwrap_or(default);
-    let method = raw.method.clone().and_then(|mut method| {
-        if kind == ReductionKind::OpenModes {
-            // No contact has mass: what the scene says of it has no effect.
-            method.mass_redistribution = None;
-        }
-        let mut checked = method::check(&method, raw, subject, &contacts, diagnostics)?;
-        if kind == ReductionKind::OpenModes {
-            checked.mass_redistribution = MassRule::None;
-        }
-        Some(checked)
+    let kind = raw.reduction.and_then(|reduction| reduction.kind).unwrap_or(default);
+    let is_open = kind == ReductionKind::OpenModes;
+    // No contact of open modes has mass: what the scene says of it has no effect.
+    let rule = raw.method.mass_redistribution.filter(|_| !is_open);
+    let written = RawMethod { mass_redistribution: rule, ..raw.method.clone() };
+    let method = method::check(&written, raw, subject, &contacts, diagnostics).map(|method| match is_open {
+        true => Method { mass_redistribution: MassRule::None, ..method },
+        false => method,
     });
     if let Some(stiffness) = method.as_ref().and_then(|method| method.contact_stiffness) {
         contacts.iter_mut().for_each(|contact| _ = contact.stiffness.get_or_insert(stiffness));
@@ -138,62 +128,51 @@ fn rest(
             matrices.contacts.iter_mut().for_each(|contact| _ = contact.stiffness.get_or_insert(stiffness));
         }
     }
-    let reduction = reduction::check(raw.reduction.as_ref(), raw, (default, &subject.places), diagnostics);
+    let reduction = reduction::check(raw, (default, &subject.places), diagnostics);
     let has_responses = raw.response.as_ref().is_some_and(|responses| !responses.is_empty());
-    let continuation = raw.continuation.as_ref().and_then(|raw| continuation::check(raw, has_responses, diagnostics));
+    continuation::check(&raw.continuation, has_responses, diagnostics);
     let uniform = structure.as_ref().is_none_or(|s| s.straight().is_some_and(|s| s.segments.is_empty()));
-    let updating = raw.updating.as_ref().map(|raw| updating::check(raw, uniform, diagnostics));
+    let updating = raw.updating.as_ref().map(|written| updating::checked(written, uniform, diagnostics));
     contact::dampers(&contacts, structure.as_ref(), has_responses, diagnostics);
     let of_responses = response::check(raw, &subject.places, method.as_ref(), diagnostics);
+    let output = raw.output.clone().unwrap_or_default();
     Some(Scene {
         title: raw.title.clone().unwrap_or_else(|| stem.to_owned()),
         structure: structure?,
         contacts,
         reduction,
-        updating: match updating {
-            Some(updating) => Some(updating?),
-            None => None,
-        },
+        updating,
         damping: of_responses.damping,
         forces: of_responses.forces,
         base_motion: of_responses.base_motion,
         responses: of_responses.responses,
         method: method?,
-        continuation: continuation?,
-        output_directory: output_directory(raw.output.as_ref().and_then(|output| output.directory.as_ref()), stem),
+        continuation: raw.continuation.clone(),
+        output_directory: output_directory(output.directory.as_ref(), stem),
         overlays: overlays(raw.overlay.as_deref(), base),
-        files: files(raw.output.as_ref()),
-        stability: raw.output.as_ref().and_then(|output| output.stability).unwrap_or(StabilityChoice::Auto),
+        files: ascending(output.files),
+        stability: output.stability,
         warnings: Vec::new(),
     })
 }
 
 /// Where results go; `stem` is the name of the file.
-fn output_directory(written: Option<&String>, stem: &str) -> PathBuf {
-    written.map_or_else(|| PathBuf::from("results").join(stem), PathBuf::from)
+fn output_directory(written: Option<&PathBuf>, stem: &str) -> PathBuf {
+    written.cloned().unwrap_or_else(|| PathBuf::from("results").join(stem))
 }
 
-/// What is laid over the results; paths count from `base`.
-fn overlays(raw: Option<&[RawOverlay]>, base: &Path) -> Vec<Overlay> {
-    let overlay = |raw: &RawOverlay| {
-        let path = base.join(raw.path.as_ref()?);
-        let name = path.file_stem().map(|name| name.to_string_lossy().into_owned());
-        Some(Overlay { label: raw.label.clone().or(name).unwrap_or_default(), path })
+/// What is laid over the results; paths count from `base`, and names are those of the files where none is given.
+fn overlays(written: Option<&[Overlay]>, base: &Path) -> Vec<Overlay> {
+    let overlay = |Overlay { path, label }: &Overlay| {
+        let name = path.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        Overlay { path: base.join(path), label: if label.is_empty() { name } else { label.clone() } }
     };
-    raw.into_iter().flatten().filter_map(overlay).collect()
+    written.into_iter().flatten().map(overlay).collect()
 }
 
-fn files(raw: Option<&RawOutput>) -> OutputFiles {
-    let (Some(raw), default) = (raw, OutputFiles::default()) else { return OutputFiles::default() };
-    let mut histories = raw.histories.clone().unwrap_or_default();
-    histories.sort_unstable();
-    histories.dedup();
-    OutputFiles {
-        figures: raw.figures.unwrap_or(default.figures),
-        page: raw.page.unwrap_or(default.page),
-        matlab: raw.matlab.unwrap_or(default.matlab),
-        histories,
-        figure_width_mm: raw.figure_width_mm,
-        figure_titles: raw.figure_titles.unwrap_or(default.figure_titles),
-    }
+/// The same with its points in order, each once.
+fn ascending(mut files: OutputFiles) -> OutputFiles {
+    files.histories.sort_unstable();
+    files.histories.dedup();
+    files
 }

@@ -103,10 +103,9 @@ impl<'a> Diagnostics<'a> {
         self.diagnostics.push(self.document.put(diagnostic, &self.in_file(path), label));
     }
 
-    /// Whether the scene writes this key, or one that was probably meant to be it.
+    /// Whether the scene writes this key.
     pub fn has(&self, path: &str) -> bool {
-        let path = self.in_file(path);
-        self.document.place(&path).is_some() || self.meant.contains(path.as_ref())
+        self.document.place(&self.in_file(path)).is_some()
     }
 
     /// Whether a key at this path was misspelt.
@@ -127,12 +126,6 @@ impl<'a> Diagnostics<'a> {
     /// Number of diagnostics so far.
     pub fn count(&self) -> usize {
         self.diagnostics.len()
-    }
-
-    /// Whether an unknown key was probably meant to be this one (the name without its table).
-    pub fn has_misspelt(&self, name: &str) -> bool {
-        let guess = format!("did you mean `{name}`?");
-        self.diagnostics.iter().filter_map(|diagnostic| diagnostic.place.as_ref()).any(|place| place.label == guess)
     }
 
     /// The value of a key as the scene writes it.

@@ -1,10 +1,10 @@
 //! Scene files: reading, checking, and saying what is wrong with them.
 //!
 //! ```text
-//! file + --set  →  document  →  conform to the schema  →  raw tables  →  check  →  Scene
+//! file + --set  →  document  →  conform to the schema  →  tables  →  check between values  →  Scene
 //! ```
 //!
-//! Each stage reports what it finds and goes on with the rest, so that a user sees every mistake of a scene at once.
+//! Conformity reports all that it finds; what must hold between values is checked of those that conform.
 //! Nothing is printed and nothing is written: what there is to say comes back as data with the place that it is about.
 //!
 //! | item | what it is |
@@ -90,7 +90,7 @@ pub use other::{load_other, parse_other};
 pub use read::{
     load_any, load_records, load_structure, load_to_run, parse, parse_any, parse_each_method, parse_records, parse_test,
 };
-pub use rule::number;
+pub use rule::{counted, number};
 pub use scene::{RecordScene, Scene, TestScene};
 pub use scene_error::SceneError;
 pub use scene_file::{AnyScene, SceneFile};

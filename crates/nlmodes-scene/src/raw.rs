@@ -1,57 +1,44 @@
 //! The tables of a scene file as they are written, one struct a table.
 //!
-//! Every field is optional here, whatever the scene demands: what is missing or wrong is reported by the check against
-//! the [schema](crate::schema), all of it at once, and then taken out. The attributes carry that schema: `required`,
-//! limits, `default` and `unit` are read by the check and printed by `nlmodes-cli schema`, and the field's comment
-//! becomes its description in both.
+//! They are read from what conforms to their [schema](crate::schema): the attributes carry its limits, defaults and
+//! units, and the field's comment becomes its description. Tables that mean the same beside any structure are those of
+//! [the scene](crate::scene) itself.
 
-mod continuation;
 mod matrices;
 mod method;
-mod output;
-mod overlay;
 mod parts;
 mod records;
-mod reduction;
 mod response;
 mod structure;
-mod updating;
 mod virtual_test;
 
-pub use continuation::{DEFAULT_MAX_BRANCHES, DEFAULT_MAX_POINTS, RawContinuation};
 pub use matrices::{NameOrNumbers, NumberOrName, RawMatrices, RawMatrixScene, RawNodeContact, RawNormal};
-pub use method::{DEFAULT_MAX_HARMONICS, RawMethod};
-pub use output::RawOutput;
-pub use overlay::RawOverlay;
-pub use parts::{RawMassPoint, RawSegment, RawSpring};
+pub use method::{DEFAULT_MAX_HARMONICS, MAX_HARMONICS, RawMethod};
+pub use parts::{RawSegment, RawSpring};
 pub use records::{RawChannel, RawExtraction, RawLinearModes, RawPbmifHarmonics, RawRecordScene, RawStop};
-pub use reduction::RawReduction;
 pub use response::{
-    RawBaseMotion, RawDamping, RawDashpot, RawDirection, RawForce, RawOwnDamping, RawRayleigh, RawResponse,
+    RawBaseMotion, RawDamping, RawDashpot, RawDirection, RawForce, RawModeDamping, RawPlace, RawResponse,
 };
-pub use structure::{RawMaterial, RawModes, RawSection, RawStructure};
-pub use updating::RawUpdating;
-pub use virtual_test::{
-    RawBackbone, RawExciter, RawLoop, RawNoise, RawSchedule, RawTestScene, RawTestStop, RawVirtualTest,
-};
+pub use structure::{RawMaterial, RawSection, RawStructure};
+pub use virtual_test::{RawExciter, RawNoise, RawSchedule, RawTestScene, RawVirtualTest};
 
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use crate::scene::{Direction, Side};
+use crate::scene::{Continuation, Direction, Output, Overlay, Reduction, Side, Updating};
 
 /// Most structures of a scene.
 const MAX_BODIES: u32 = 1000;
 
 /// What scenes of all structures that are computed share.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[derive(Debug, Deserialize, JsonSchema)]
 pub struct RawAnalysis {
     /// Title of tables and figures; default: the name of the file
     pub title: Option<String>,
     /// How the structure is reduced
-    pub reduction: Option<RawReduction>,
+    pub reduction: Option<Reduction>,
     /// Parameters of a rod or beam that are fitted to given linear frequencies first
-    pub updating: Option<RawUpdating>,
+    pub updating: Option<Updating>,
     /// Damping of the structure with its contacts open; responses need it
     pub damping: Option<RawDamping>,
     /// Periodic forces, each under its own heading `[[force]]`
@@ -62,26 +49,23 @@ pub struct RawAnalysis {
     /// `[[response]]`
     pub response: Option<Vec<RawResponse>>,
     /// How the periodic motion is computed; several methods stand under headings `[[method]]`
-    #[schemars(required)]
-    pub method: Option<RawMethod>,
+    pub method: RawMethod,
     /// How far the branch is followed
-    #[schemars(required)]
-    pub continuation: Option<RawContinuation>,
+    pub continuation: Continuation,
     /// Results of other runs or of tests that figures and page show beside those of the scene, each under a heading
     /// `[[overlay]]`
-    pub overlay: Option<Vec<RawOverlay>>,
+    pub overlay: Option<Vec<Overlay>>,
     /// Where results go
-    pub output: Option<RawOutput>,
+    pub output: Option<Output>,
 }
 
 /// A scene of nlmodes: a structure with one-sided stops, and how its nonlinear mode is to be computed. SI units
 /// throughout.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[schemars(title = "nlmodes scene")]
 pub struct RawScene {
     /// The structure: geometry, mesh and supports
-    #[schemars(required)]
-    pub structure: Option<RawStructure>,
+    pub structure: RawStructure,
     /// One-sided stops, any number, each under its own heading `[[contact]]`
     pub contact: Option<Vec<RawContact>>,
     /// Everything else
@@ -91,12 +75,12 @@ pub struct RawScene {
 
 /// A scene of nlmodes: several rods and beams, each under its own heading `[[structure]]`, with contacts between them
 /// and one-sided stops.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[schemars(title = "nlmodes scene of several structures")]
 pub struct RawBodiesScene {
     /// The structures, numbered from 1
-    #[schemars(required, length(min = 1, max = MAX_BODIES))]
-    pub structure: Option<Vec<RawStructure>>,
+    #[schemars(length(min = 1, max = MAX_BODIES))]
+    pub structure: Vec<RawStructure>,
     /// One-sided contacts, any number, each under its own heading `[[contact]]`
     pub contact: Option<Vec<RawContact>>,
     /// Everything else
@@ -105,21 +89,18 @@ pub struct RawBodiesScene {
 }
 
 /// A stop on one side of a node.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Deserialize, JsonSchema)]
 pub struct RawContact {
     /// Position along the axis, measured from the start; must be a node of the mesh
-    #[schemars(required, extend("unit" = "m", "minimum" = 0.0))]
-    pub at_m: Option<f64>,
+    #[schemars(extend("unit" = "m", "minimum" = 0.0))]
+    pub at_m: f64,
     /// Direction of the motion that the stop limits
-    #[schemars(required)]
-    pub direction: Option<Direction>,
+    pub direction: Direction,
     /// Side on which the stop stands
-    #[schemars(required)]
-    pub side: Option<Side>,
+    pub side: Side,
     /// Clearance at rest; 0 touches, a negative one presses
-    #[schemars(required, extend("unit" = "m"))]
-    pub gap_m: Option<f64>,
+    #[schemars(extend("unit" = "m"))]
+    pub gap_m: f64,
     /// Contact stiffness of the stop; left out, it is rigid, and with method "hbm" it has
     /// `method.contact_stiffness_n_m`
     #[schemars(extend("unit" = "N/m", "exclusiveMinimum" = 0.0))]
@@ -136,22 +117,12 @@ pub struct RawContact {
 }
 
 /// A node of another structure.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Deserialize, JsonSchema)]
 pub struct RawAgainst {
     /// Number of the structure, from 1 in the order of the file
-    #[schemars(required, range(min = 1, max = MAX_BODIES))]
-    pub structure: Option<u32>,
+    #[schemars(range(min = 1, max = MAX_BODIES))]
+    pub structure: u32,
     /// Position along its axis, measured from its start; must be a node of its mesh
-    #[schemars(required, extend("unit" = "m", "minimum" = 0.0))]
-    pub at_m: Option<f64>,
-}
-
-/// Where results go.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct RawDirectory {
-    /// Directory of the result files, from where the program is started; default: results/<name of the file>
-    #[schemars(length(min = 1))]
-    pub directory: Option<String>,
+    #[schemars(extend("unit" = "m", "minimum" = 0.0))]
+    pub at_m: f64,
 }

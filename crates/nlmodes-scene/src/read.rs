@@ -210,7 +210,8 @@ fn tables<T: DeserializeOwned>(
         return None;
     }
     let conforming = conform::conform(root.get_ref(), schema, diagnostics);
-    conform::read(conforming, diagnostics)
+    // What must hold between values is checked of those that are sound.
+    if diagnostics.refuse() { None } else { conform::read(conforming, diagnostics) }
 }
 
 fn finish<S>(scene: Option<S>, diagnostics: Diagnostics<'_>) -> Result<SceneFile<S>, SceneError> {

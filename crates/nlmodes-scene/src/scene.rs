@@ -1,12 +1,14 @@
 //! A scene that was checked: plain values in SI units, every default filled in.
 
 mod choices;
+mod continuation;
 mod output;
 mod parts;
 mod records;
 mod reduction;
 mod response;
 mod supports;
+mod updating;
 mod virtual_test;
 
 pub use choices::{
@@ -16,17 +18,20 @@ pub use choices::{
     Support, Switching, Symmetry, UpdatedParameter,
 };
 
-pub use output::{OutputFiles, Overlay};
+pub use continuation::{Continuation, Start};
+pub use output::{Directory, Output, OutputFiles, Overlay};
 pub use parts::{GroundSpring, MassPoint, Refined, Segment};
 pub use records::RecordScene;
 pub use reduction::{Matrices, Reduction, SceneStructure};
 pub use response::{BaseDirection, BaseMotion, Damping, Dashpot, Force, ModeDamping, Place, Response};
 pub use supports::{free_dofs, holds};
+pub use updating::{Updating, UpdatingDone};
 pub use virtual_test::{Backbone, KeptRecords, TestLoop, TestScene, TestStop};
 
 use std::path::PathBuf;
 
 use nlmodes_fem::{FemError, Mesh};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A structure with one-sided stops, and how its nonlinear mode is to be computed.
@@ -84,7 +89,7 @@ impl Scene {
 
     /// Whether the structure is reduced by its open modes.
     pub fn is_in_open_modes(&self) -> bool {
-        self.reduction.is_some_and(|reduction| reduction.kind == ReductionKind::OpenModes)
+        self.reduction.is_some_and(|reduction| reduction.kind == Some(ReductionKind::OpenModes))
     }
 }
 
@@ -138,13 +143,19 @@ pub struct Structure {
     pub damping: Option<ModeDamping>,
 }
 
-/// Frequencies of the lowest modes, as measured ones, in place of those of the elements.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// Most modes with imposed frequencies.
+const MAX_MODES: u32 = 1000;
+
+/// Frequencies imposed on the lowest bending modes of a beam or axial modes of a rod. Mass, shapes and all other modes
+/// stay.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ImposedModes {
-    /// The frequencies, Hz, ascending.
+    /// The frequencies, ascending from the lowest mode, with contacts open and the contact mass as `method` has it
+    #[schemars(inner(range(min = 1e-9)), length(min = 1, max = MAX_MODES), extend("unit" = "Hz"))]
     pub frequencies_hz: Vec<f64>,
-    /// Damping ratios of these modes, where they are known; nonlinear modes are conservative and do not use them.
+    /// Damping ratios of these modes, for a virtual test; nonlinear modes are conservative
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(inner(range(min = 0.0, max = 0.999)), length(min = 1, max = MAX_MODES))]
     pub damping_ratios: Option<Vec<f64>>,
 }
 
@@ -278,33 +289,6 @@ fn is_first(structure: &usize) -> bool {
     *structure == 0
 }
 
-/// Parameters that are fitted to given linear frequencies.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Updating {
-    /// The parameters.
-    pub parameters: Vec<UpdatedParameter>,
-    /// The given frequencies, Hz.
-    pub frequencies_hz: Vec<f64>,
-    /// Number of the mode of each, 1 for the lowest.
-    pub modes: Vec<usize>,
-    /// What was found; nothing before the computation.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub done: Option<UpdatingDone>,
-}
-
-/// What an updating changed.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct UpdatingDone {
-    /// Values of the parameters before.
-    pub from: Vec<f64>,
-    /// Values of the parameters after.
-    pub to: Vec<f64>,
-    /// Frequencies before, Hz.
-    pub from_hz: Vec<f64>,
-    /// Frequencies after, Hz.
-    pub to_hz: Vec<f64>,
-}
-
 /// How the periodic motion is computed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Method {
@@ -347,45 +331,4 @@ pub struct Accuracy {
 
 fn is_single(list: &[usize]) -> bool {
     list.len() == 1
-}
-
-/// How far the branch is followed.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Continuation {
-    /// Averaged kinetic energy at which the branch ends, over that at grazing.
-    pub max_energy_ratio: Option<f64>,
-    /// Frequency window, Hz, lower limit first.
-    pub frequency_hz: Option<[f64; 2]>,
-    /// Most points of the branch.
-    pub max_points: usize,
-    /// Which arm is followed at a branch point.
-    pub at_branch_point: AtBranchPoint,
-    /// Most branches, where all arms are followed.
-    pub max_branches: usize,
-    /// What is done where an internal resonance leads the branch away.
-    pub internal_resonance: InternalResonance,
-    /// Where it starts.
-    pub start: Start,
-}
-
-/// Where a branch starts.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", tag = "at")]
-pub enum Start {
-    /// At the linear mode that just touches the stop.
-    Grazing,
-    /// On the backbone at a frequency.
-    Frequency {
-        /// The frequency, Hz.
-        hz: f64,
-        /// Which way from there.
-        direction: FrequencyDirection,
-    },
-    /// On the backbone at an energy.
-    Energy {
-        /// Averaged kinetic energy over that at grazing.
-        ratio: f64,
-        /// Which way from there.
-        direction: FrequencyDirection,
-    },
 }

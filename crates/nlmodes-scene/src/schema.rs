@@ -109,6 +109,13 @@ fn without_null(value: &mut Value) {
 
 /// `type: [T, null]` becomes `type: T`, and `anyOf: [S, null]` becomes `S`.
 fn unwrap_optional(object: &mut Map<String, Value>) {
+    if object.contains_key("properties") {
+        object.entry("additionalProperties").or_insert(Value::Bool(false));
+    }
+    // Where nothing stands if nothing is written, that is no default.
+    if object.get("default").is_some_and(|value| value.is_null() || *value == json!("") || *value == json!([])) {
+        object.remove("default");
+    }
     if let Some(Value::Array(types)) = object.get_mut("type") {
         types.retain(|name| name != "null");
         if let [only] = types.as_slice() {

@@ -105,7 +105,7 @@ impl Interrupted {
         log: &mut dyn RunLog,
         each: &mut dyn FnMut(&ModalPoint) -> ControlFlow<()>,
     ) -> Result<(), String> {
-        let (first, other) = starts(self.scene.continuation.start);
+        let (first, other) = starts(self.scene.continuation.start());
         let ways: [Option<BranchStart>; 2] = [Some(first), other];
         let mut ended = false;
         for start in ways.into_iter().flatten() {

@@ -24,7 +24,7 @@ pub fn branch(
         compute_branch(model.clone(), &settings, |_| ControlFlow::Continue(()))
     };
     let began = Instant::now();
-    let (first, second) = starts(scene.continuation.start);
+    let (first, second) = starts(scene.continuation.start());
     let mut computed = one_way(first)?;
     if let Some(second) = second {
         computed = one_way(second)?.preceded_by(computed);

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use nlmodes::branches::ComputedBranch;
 use nlmodes::modal::{EndReason, Event};
+use nlmodes_scene::counted;
 
 /// How a branch ended, in words.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -25,7 +26,11 @@ impl Ending {
         let at = points.last().map_or_else(String::new, |p| format!(" at {:.6} Hz", p.omega / TAU));
         let (seconds, advice) = (time.as_secs_f64(), advice(computed).unwrap_or_default());
         Self {
-            line: format!("{name}{} points in {seconds:.2} s; ended{at}: {}{advice}", points.len(), end.message),
+            line: format!(
+                "{name}{} in {seconds:.2} s; ended{at}: {}{advice}",
+                counted(points.len(), "point"),
+                end.message
+            ),
             is_complete: end.complete,
             beyond_accuracy: beyond_accuracy(computed, name),
         }

@@ -104,7 +104,7 @@ fn kind(component: Component) -> DofKind {
 
 /// How many modes the scene retains, of a structure with so many degrees of freedom.
 fn count(scene: &Scene, dofs: usize) -> Result<ModeCount, StructureError> {
-    let asked = scene.reduction.filter(|reduction| reduction.kind == ReductionKind::OpenModes);
+    let asked = scene.reduction.filter(|reduction| reduction.kind == Some(ReductionKind::OpenModes));
     Ok(match (asked.and_then(|asked| asked.modes), asked.and_then(|asked| asked.up_to_hz)) {
         (Some(asked), _) if asked > dofs => return Err(StructureError::TooManyModes { asked, dofs }),
         (Some(modes), _) => ModeCount::Lowest(modes),

@@ -9,15 +9,16 @@ use crate::{Diagnostic, Diagnostics};
 
 /// A structure that contacts can belong to.
 pub struct Body<'a> {
-    pub raw: Option<&'a RawStructure>,
-    pub mesh: Option<&'a Mesh>,
+    pub raw: &'a RawStructure,
+    pub mesh: &'a Mesh,
 }
 
 /// Positions at which contacts touch the structure with this index (from 0) of several.
 pub fn stops_of(body: usize, written: &[RawContact]) -> Vec<f64> {
-    let own = |contact: &RawContact| contact.at_m.filter(|_| contact.structure == Some(body as u32 + 1));
+    let number = body as u32 + 1;
+    let own = |contact: &RawContact| (contact.structure == Some(number)).then_some(contact.at_m);
     let other = |contact: &RawContact| {
-        contact.against.as_ref().and_then(|other| other.at_m.filter(|_| other.structure == Some(body as u32 + 1)))
+        contact.against.as_ref().filter(|other| other.structure == number).map(|other| other.at_m)
     };
     written.iter().flat_map(|contact| [own(contact), other(contact)]).flatten().collect()
 }
@@ -43,26 +44,21 @@ fn sound(i: usize, raw: &RawContact, bodies: &[Body<'_>], diagnostics: &mut Diag
     let own = on(body, bodies);
     diagnostics.about_structure(own);
     let Body { raw: structure, mesh } = &bodies[body];
-    let movable = structure.is_none_or(|structure| can_move(i, raw, structure, diagnostics));
-    let node = mesh.and_then(|mesh| node(&path, raw.at_m, mesh, diagnostics));
-    let free = match (movable, node, mesh) {
-        (true, Some(node), Some(mesh)) => {
-            structure.is_none_or(|structure| is_free(i, raw, (node, mesh.elements()), structure, diagnostics))
-        }
-        _ => false,
-    };
+    let movable = can_move(i, raw, structure, diagnostics);
+    let node = node(&path, raw.at_m, mesh, diagnostics);
+    let free = movable && node.is_some_and(|node| is_free(i, raw, (node, mesh.elements()), structure, diagnostics));
     diagnostics.about_structure(None);
     let against = match &raw.against {
         Some(other) => Some(facing(i, raw, other, body, bodies, diagnostics)?),
         None => None,
     };
-    let (node, mesh) = (node?, mesh.as_ref()?);
+    let node = node?;
     free.then_some(Contact {
         node,
         at: mesh.nodes()[node],
-        direction: raw.direction?,
-        side: raw.side?,
-        gap: raw.gap_m?,
+        direction: raw.direction,
+        side: raw.side,
+        gap: raw.gap_m,
         stiffness: raw.stiffness_n_m,
         damping: raw.damping_n_s_m,
         structure: body,
@@ -116,12 +112,10 @@ pub fn body(
         }
         None if count == 1 => Some(0),
         None => {
-            if !diagnostics.has(path) {
-                let key = path.rsplit('.').next().unwrap_or(path);
-                let diagnostic = Diagnostic::error(format!("`{path}` is missing"));
-                let label = format!("expected `{key}`, a whole number from 1 to {count}, in this table");
-                diagnostics.put(path, diagnostic.help(which), label);
-            }
+            let key = path.rsplit('.').next().unwrap_or(path);
+            let diagnostic = Diagnostic::error(format!("`{path}` is missing"));
+            let label = format!("expected `{key}`, a whole number from 1 to {count}, in this table");
+            diagnostics.put(path, diagnostic.help(which), label);
             None
         }
     }
@@ -137,7 +131,7 @@ fn facing(
     diagnostics: &mut Diagnostics<'_>,
 ) -> Option<Facing> {
     let path = format!("contact.{i}.against");
-    let number = other.structure? as usize;
+    let number = other.structure as usize;
     if number > bodies.len() {
         no_such_structure(&format!("{path}.structure"), number, bodies.len(), diagnostics);
         return None;
@@ -150,21 +144,20 @@ fn facing(
     }
     diagnostics.about_structure(on(body, bodies));
     let Body { raw: structure, mesh } = &bodies[body];
-    let is_rod = structure.is_some_and(|structure| structure.kind == Some(StructureKind::Rod));
-    let node = mesh.and_then(|mesh| node(&path, other.at_m, mesh, diagnostics));
+    let is_rod = structure.kind == StructureKind::Rod;
+    let node = node(&path, other.at_m, mesh, diagnostics);
     diagnostics.about_structure(None);
-    if is_rod && raw.direction == Some(Direction::Transverse) {
+    if is_rod && raw.direction == Direction::Transverse {
         let diagnostic = Diagnostic::error(format!("`{path}` is a rod, which does not move across its axis"));
         diagnostics.put(&path, diagnostic, "expected a beam, or direction = \"axial\"");
         return None;
     }
-    let mesh = mesh.as_ref()?;
     node.map(|node| Facing { structure: body, node, at: mesh.nodes()[node] })
 }
 
 /// Whether the structure moves in the direction of the contact at all.
 fn can_move(i: usize, contact: &RawContact, structure: &RawStructure, diagnostics: &mut Diagnostics<'_>) -> bool {
-    let rod = structure.kind == Some(StructureKind::Rod) && contact.direction == Some(Direction::Transverse);
+    let rod = structure.kind == StructureKind::Rod && contact.direction == Direction::Transverse;
     if rod {
         let path = format!("contact.{i}.direction");
         let diagnostic = Diagnostic::error(format!("`{path}` cannot be \"transverse\" on a rod"));
@@ -175,10 +168,10 @@ fn can_move(i: usize, contact: &RawContact, structure: &RawStructure, diagnostic
     !rod
 }
 
-fn node(path: &str, at: Option<f64>, mesh: &Mesh, diagnostics: &mut Diagnostics<'_>) -> Option<usize> {
-    let node = node_at(mesh, at?);
+fn node(path: &str, at: f64, mesh: &Mesh, diagnostics: &mut Diagnostics<'_>) -> Option<usize> {
+    let node = node_at(mesh, at);
     if node.is_none() {
-        off_node(&format!("{path}.at_m"), at?, mesh, diagnostics);
+        off_node(&format!("{path}.at_m"), at, mesh, diagnostics);
     }
     node
 }
@@ -235,13 +228,11 @@ fn is_free(
 ) -> bool {
     let (end, support) = match node {
         0 => ("start", structure.start),
-        _ if node == last => ("end", Some(structure.end.unwrap_or(Support::Free))),
+        _ if node == last => ("end", structure.end.unwrap_or(Support::Free)),
         _ => return true,
     };
-    let (Some(kind), Some(support), Some(direction)) = (structure.kind, support, contact.direction) else {
-        return true;
-    };
-    let held = holds(kind, support, direction);
+    let direction = contact.direction;
+    let held = holds(structure.kind, support, direction);
     if held {
         let path = format!("contact.{i}.at_m");
         let diagnostic = Diagnostic::error(format!("`{path}` is at the {} {end}, which does not move", support.name()));

@@ -1,49 +1,28 @@
-use crate::raw::{DEFAULT_MAX_BRANCHES, DEFAULT_MAX_POINTS, RawContinuation};
 use crate::rule::number;
-use crate::scene::{AtBranchPoint, Continuation, FrequencyDirection, InternalResonance, Start};
+use crate::scene::{AtBranchPoint, Continuation, FrequencyDirection, InternalResonance};
 use crate::{Diagnostic, Diagnostics};
 
 /// With `has_responses` it need not say where a branch ends: responses have levels and windows of their own.
-pub fn check(raw: &RawContinuation, has_responses: bool, diagnostics: &mut Diagnostics<'_>) -> Option<Continuation> {
-    if let Some(window) = raw.frequency_hz {
+pub fn check(branch: &Continuation, has_responses: bool, diagnostics: &mut Diagnostics<'_>) {
+    if let Some(window) = branch.frequency_hz {
         check_window(window, diagnostics);
-        check_start(raw.start_frequency_hz, window, diagnostics);
+        check_start(branch.start_frequency_hz, window, diagnostics);
     }
-    let has_end = diagnostics.has("continuation.max_energy_ratio") || diagnostics.has("continuation.frequency_hz");
-    if !has_end && !has_responses {
-        let diagnostic = Diagnostic::error("`continuation` does not say where the branch ends")
-            .help("max_energy_ratio = 20.0 ends it at 20 times the energy at grazing, frequency_hz = [50.0, 66.5] at a frequency");
-        diagnostics.put(
-            "continuation",
-            diagnostic,
-            "expected `max_energy_ratio`, `frequency_hz` or both in this table",
+    if branch.max_energy_ratio.is_none() && branch.frequency_hz.is_none() && !has_responses {
+        let diagnostic = Diagnostic::error("`continuation` does not say where the branch ends").help(
+            "max_energy_ratio = 20.0 ends it at 20 times the energy at grazing, frequency_hz = [50.0, 66.5] at a \
+             frequency",
         );
+        let label = "expected `max_energy_ratio`, `frequency_hz` or both in this table";
+        diagnostics.put("continuation", diagnostic, label);
     }
-    check_energy(raw, diagnostics);
-    check_choices(raw, diagnostics);
-    Some(Continuation {
-        max_energy_ratio: raw.max_energy_ratio,
-        frequency_hz: raw.frequency_hz,
-        max_points: raw.max_points.unwrap_or(DEFAULT_MAX_POINTS) as usize,
-        at_branch_point: raw.at_branch_point.unwrap_or(AtBranchPoint::Stay),
-        max_branches: raw.max_branches.unwrap_or(DEFAULT_MAX_BRANCHES) as usize,
-        internal_resonance: raw.internal_resonance.unwrap_or(InternalResonance::Follow),
-        start: start(raw),
-    })
+    check_energy(branch, diagnostics);
+    check_choices(branch, diagnostics);
 }
 
-fn start(raw: &RawContinuation) -> Start {
-    let direction = raw.direction.unwrap_or(FrequencyDirection::Up);
-    match (raw.start_frequency_hz, raw.start_energy_ratio) {
-        (Some(hz), _) => Start::Frequency { hz, direction },
-        (None, Some(ratio)) => Start::Energy { ratio, direction },
-        (None, None) => Start::Grazing,
-    }
-}
-
-fn check_energy(raw: &RawContinuation, diagnostics: &mut Diagnostics<'_>) {
+fn check_energy(branch: &Continuation, diagnostics: &mut Diagnostics<'_>) {
     let path = "continuation.start_energy_ratio";
-    let (Some(ratio), Some(max)) = (raw.start_energy_ratio, raw.max_energy_ratio) else { return };
+    let (Some(ratio), Some(max)) = (branch.start_energy_ratio, branch.max_energy_ratio) else { return };
     if ratio > max {
         let diagnostic = Diagnostic::error(format!("`{path}` lies beyond the end of the branch"));
         let diagnostic = match diagnostics.document().place("continuation.max_energy_ratio") {
@@ -59,29 +38,29 @@ fn check_energy(raw: &RawContinuation, diagnostics: &mut Diagnostics<'_>) {
 }
 
 /// Choices that exclude each other, or mean nothing without another.
-fn check_choices(raw: &RawContinuation, diagnostics: &mut Diagnostics<'_>) {
-    let elsewhere = raw.start_frequency_hz.is_some() || raw.start_energy_ratio.is_some();
-    if raw.direction.is_some() && !elsewhere {
+fn check_choices(branch: &Continuation, diagnostics: &mut Diagnostics<'_>) {
+    let elsewhere = branch.start_frequency_hz.is_some() || branch.start_energy_ratio.is_some();
+    if diagnostics.has("continuation.direction") && !elsewhere {
         let diagnostic = Diagnostic::warning("`continuation.direction` has no effect");
         let label = "only a branch with `start_frequency_hz` or `start_energy_ratio` uses it";
         diagnostics.put("continuation.direction", diagnostic, label);
     }
-    if raw.start_frequency_hz.is_some() && raw.start_energy_ratio.is_some() {
+    if branch.start_frequency_hz.is_some() && branch.start_energy_ratio.is_some() {
         let diagnostic = Diagnostic::error("a branch has one start, and this scene has two");
         let label = "expected this or `start_frequency_hz`, not both";
         diagnostics.put("continuation.start_energy_ratio", diagnostic, label);
     }
-    let all = raw.at_branch_point == Some(AtBranchPoint::All);
-    if raw.max_branches.is_some() && !all {
+    let all = branch.at_branch_point == AtBranchPoint::All;
+    if diagnostics.has("continuation.max_branches") && !all {
         let diagnostic = Diagnostic::warning("`continuation.max_branches` has no effect");
         diagnostics.put("continuation.max_branches", diagnostic, "only `at_branch_point = \"all\"` uses it");
     }
-    if all && raw.internal_resonance == Some(InternalResonance::Skip) {
+    if all && branch.internal_resonance == InternalResonance::Skip {
         let diagnostic = Diagnostic::error("all arms are to be followed, and tongues to be skipped");
         let label = "with `at_branch_point = \"all\"`, \"follow\" was expected here";
         diagnostics.put("continuation.internal_resonance", diagnostic, label);
     }
-    if all && elsewhere && raw.direction == Some(FrequencyDirection::Both) {
+    if all && elsewhere && branch.direction == FrequencyDirection::Both {
         let diagnostic = Diagnostic::error("a tree of branches has one start in one direction");
         let label = "with `at_branch_point = \"all\"`, \"up\" or \"down\" was expected here";
         diagnostics.put("continuation.direction", diagnostic, label);

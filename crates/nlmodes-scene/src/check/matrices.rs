@@ -12,10 +12,10 @@ use crate::{Diagnostic, Diagnostics};
 
 /// The files and the contacts that are sound; paths count from `base`.
 pub fn check(raw: &RawMatrixScene, base: &Path, diagnostics: &mut Diagnostics<'_>) -> Option<Matrices> {
-    let files = raw.structure.as_ref().and_then(|raw| files(raw, base, diagnostics));
+    let files = files(&raw.structure, base, diagnostics);
     let contacts = raw.contact.iter().flatten().enumerate();
     let contacts: Vec<Option<ContactChoice>> = contacts.map(|(i, raw)| contact(raw, i, base, diagnostics)).collect();
-    let units_are_assumed = raw.structure.as_ref().is_some_and(|raw| raw.units.is_none());
+    let units_are_assumed = raw.structure.units.is_none();
     Some(Matrices { files: files?, contacts: contacts.into_iter().collect::<Option<_>>()?, units_are_assumed })
 }
 
@@ -30,8 +30,8 @@ fn files(raw: &RawMatrices, base: &Path, diagnostics: &mut Diagnostics<'_>) -> O
         NumberOrName::Name(set) => NodeChoice::Set(set.clone()),
     });
     Some(FeFiles {
-        stiffness: Address::parse(raw.stiffness.as_ref()?).within(base),
-        mass: Address::parse(raw.mass.as_ref()?).within(base),
+        stiffness: Address::parse(&raw.stiffness).within(base),
+        mass: Address::parse(&raw.mass).within(base),
         dofs: raw.dofs.as_ref().map(|path| base.join(path)),
         mesh: raw.mesh.as_ref().map(|path| base.join(path)),
         format,
@@ -110,7 +110,7 @@ fn normal(raw: &RawNodeContact, i: usize, diagnostics: &mut Diagnostics<'_>) -> 
         Some(RawNormal::Vector(vector)) => Some(NormalChoice::Vector(*vector)),
         Some(RawNormal::Word(_)) => Some(NormalChoice::Surface),
         None => {
-            if raw.pairs.is_none() && !diagnostics.has(&format!("contact.{i}.normal")) {
+            if raw.pairs.is_none() {
                 let label = "expected `normal` in this table: 3 numbers in square brackets, or \"surface\"";
                 refuse(i, "", "the direction to what the nodes touch is missing", label, diagnostics);
             }
@@ -134,8 +134,7 @@ fn gap(raw: &RawNodeContact, i: usize, diagnostics: &mut Diagnostics<'_>) -> Opt
         (Some(gap), None) => Some(GapChoice::Same(gap)),
         (None, Some(point)) => Some(GapChoice::WallPoint(point)),
         (None, None) => {
-            let said = ["gap_m", "wall_point_m"].iter().any(|key| diagnostics.has(&format!("contact.{i}.{key}")));
-            if raw.pairs.is_none() && raw.against.is_none() && !said {
+            if raw.pairs.is_none() && raw.against.is_none() {
                 let label = "expected `gap_m`, or `wall_point_m` of a wall, in this table";
                 refuse(i, "", "the gap is missing", label, diagnostics);
             }

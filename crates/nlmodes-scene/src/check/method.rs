@@ -1,7 +1,6 @@
-use nlmodes_fem::Mesh;
-
+use super::contact::Body;
 use super::{Subject, shooting};
-use crate::raw::{DEFAULT_MAX_HARMONICS, RawAnalysis, RawMethod, RawStructure};
+use crate::raw::{DEFAULT_MAX_HARMONICS, RawAnalysis, RawMethod};
 use crate::scene::{
     Accuracy, AtBranchPoint, Contact, ContactSolver, MassRule, Method, MethodKind, StructureKind, Support, Switching,
     Symmetry, free_dofs,
@@ -31,7 +30,7 @@ pub fn check(
     check_modes(mode, method.held_modes, modes(along, kind, mass_rule, contacts), diagnostics);
     if kind == MethodKind::Shooting {
         shooting::check(method, diagnostics);
-        let is_rod = along.is_some_and(|(structure, _)| structure.kind == Some(StructureKind::Rod));
+        let is_rod = along.is_some_and(|body| body.raw.kind == StructureKind::Rod);
         let all = modes(along, kind, mass_rule, contacts).map(|[_, held]| held).filter(|_| is_rod);
         shooting::check_gaps(contacts, diagnostics);
         shooting::check_size(method.held_modes.map(|n| n as usize).or(all), diagnostics);
@@ -107,7 +106,7 @@ fn stiffness(method: &RawMethod, contacts: usize, kind: MethodKind, diagnostics:
 fn accuracy(method: &RawMethod, scene: &RawAnalysis, diagnostics: &mut Diagnostics<'_>) -> Option<Accuracy> {
     let path = "method.max_harmonics";
     let Some(error) = method.accuracy else {
-        if diagnostics.has(path) && !diagnostics.has("method.accuracy") {
+        if diagnostics.has(path) {
             let diagnostic = Diagnostic::warning(format!("`{path}` has no effect"));
             diagnostics.put(path, diagnostic, "only `accuracy` chooses a number of harmonics");
         }
@@ -129,8 +128,7 @@ fn accuracy(method: &RawMethod, scene: &RawAnalysis, diagnostics: &mut Diagnosti
         let diagnostic = diagnostic.help("leave `switching` out: exact instants have no such error and cost less");
         diagnostics.put("method.switching", diagnostic, "expected \"exact\" beside `accuracy`");
     }
-    let all = scene.continuation.as_ref().and_then(|c| c.at_branch_point) == Some(AtBranchPoint::All);
-    if all {
+    if scene.continuation.at_branch_point == AtBranchPoint::All {
         let path = "continuation.at_branch_point";
         let diagnostic = Diagnostic::error("`method.accuracy` cannot follow all arms of branch points");
         let diagnostic =
@@ -177,15 +175,10 @@ fn samples(method: &RawMethod, diagnostics: &mut Diagnostics<'_>) -> Option<usiz
 
 /// Number of linear modes of the structure, and of those with the contacts held, by springs in harmonic balance; `None`
 /// if the mesh is not known.
-fn modes(
-    along: Option<(&RawStructure, &Mesh)>,
-    kind: MethodKind,
-    mass_rule: MassRule,
-    contacts: &[Contact],
-) -> Option<[usize; 2]> {
-    let (structure, mesh) = along?;
-    let ends = [structure.start?, structure.end.unwrap_or(Support::Free)];
-    let dofs = free_dofs(structure.kind?, mesh.elements(), ends);
+fn modes(along: Option<&Body<'_>>, kind: MethodKind, mass_rule: MassRule, contacts: &[Contact]) -> Option<[usize; 2]> {
+    let Body { raw: structure, mesh } = along?;
+    let ends = [structure.start, structure.end.unwrap_or(Support::Free)];
+    let dofs = free_dofs(structure.kind, mesh.elements(), ends);
     let mut places: Vec<_> = contacts.iter().map(|contact| (contact.node, contact.direction.name())).collect();
     places.sort_unstable();
     places.dedup();

@@ -1,25 +1,21 @@
 //! `[structure.modes]`: what must hold between its values.
 
-use crate::raw::RawModes;
 use crate::rule::number;
 use crate::scene::ImposedModes;
 use crate::{Diagnostic, Diagnostics};
 
 const FREQUENCIES: &str = "structure.modes.frequencies_hz";
 
-pub fn check(raw: &RawModes, diagnostics: &mut Diagnostics<'_>) -> Option<ImposedModes> {
-    let frequencies_hz = raw.frequencies_hz.clone()?;
-    let is_paired = is_paired(raw.damping_ratios.as_deref(), frequencies_hz.len(), diagnostics);
-    let ascends = ascends(&frequencies_hz, FREQUENCIES, diagnostics);
-    (is_paired && ascends).then(|| ImposedModes { frequencies_hz, damping_ratios: raw.damping_ratios.clone() })
+pub fn check(modes: &ImposedModes, diagnostics: &mut Diagnostics<'_>) {
+    is_paired(modes.damping_ratios.as_deref(), modes.frequencies_hz.len(), diagnostics);
+    ascends(&modes.frequencies_hz, FREQUENCIES, diagnostics);
 }
 
-fn is_paired(ratios: Option<&[f64]>, wanted: usize, diagnostics: &mut Diagnostics<'_>) -> bool {
-    let Some(found) = ratios.map(<[f64]>::len).filter(|found| *found != wanted) else { return true };
+fn is_paired(ratios: Option<&[f64]>, wanted: usize, diagnostics: &mut Diagnostics<'_>) {
+    let Some(found) = ratios.map(<[f64]>::len).filter(|found| *found != wanted) else { return };
     let diagnostic = Diagnostic::error("`structure.modes` has not one damping ratio for each frequency");
     let label = format!("found {found}, expected {wanted}, one a frequency");
     diagnostics.put("structure.modes.damping_ratios", diagnostic, label);
-    false
 }
 
 /// Whether each frequency of the list at `path` is above the one before; said at the first that is not.

@@ -38,8 +38,7 @@ pub fn mesh(raw: &RawStructure, stops: &[f64], diagnostics: &mut Diagnostics<'_>
 }
 
 fn coarse(raw: &RawStructure, diagnostics: &mut Diagnostics<'_>) -> Option<Mesh> {
-    let (length, elements, grading) = (raw.length_m?, raw.elements? as usize, raw.grading.unwrap_or(1.0));
-    match Mesh::graded(length, elements, grading) {
+    match Mesh::graded(raw.length_m, raw.elements as usize, raw.grading.unwrap_or(1.0)) {
         Ok(mesh) => Some(mesh),
         Err(error) => {
             diagnostics.put("structure.grading", unusable(&error), "expected elements that can be told apart");

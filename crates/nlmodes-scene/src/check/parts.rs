@@ -3,7 +3,7 @@
 use nlmodes_fem::Mesh;
 
 use super::nodes::{beside, node_at};
-use crate::raw::{RawMassPoint, RawSpring, RawStructure};
+use crate::raw::{RawSpring, RawStructure};
 use crate::rule::number;
 use crate::scene::{Direction, GroundSpring, MassPoint, SpringDirection, StructureKind, Support, holds};
 use crate::{Diagnostic, Diagnostics};
@@ -20,7 +20,7 @@ pub struct Table<'a, T> {
 /// What is fixed to one structure, wherever it stands.
 #[derive(Default)]
 pub struct Fixed<'a> {
-    pub masses: Vec<Table<'a, RawMassPoint>>,
+    pub masses: Vec<Table<'a, MassPoint>>,
     pub springs: Vec<Table<'a, RawSpring>>,
 }
 
@@ -49,7 +49,7 @@ impl<'a> Fixed<'a> {
             }
             for (number, table) in structure.spring.iter().flatten().enumerate() {
                 let path = format!("structure.spring.{number}");
-                if let Some(owner) = owner(&path, table.structure, i, raw.len(), diagnostics) {
+                if let Some(owner) = owner(&path, table.structure.map(|n| n as usize), i, raw.len(), diagnostics) {
                     all[owner].springs.push(Table { home, number, table });
                 }
             }
@@ -62,12 +62,12 @@ impl<'a> Fixed<'a> {
 /// Index of the structure that a table names, or of that under whose heading it stands.
 fn owner(
     path: &str,
-    named: Option<u32>,
+    named: Option<usize>,
     home: usize,
     count: usize,
     diagnostics: &mut Diagnostics<'_>,
 ) -> Option<usize> {
-    let Some(number) = named.map(|number| number as usize) else { return Some(home) };
+    let Some(number) = named else { return Some(home) };
     if number <= count {
         return Some(number - 1);
     }
@@ -84,7 +84,7 @@ pub fn no_such_structure(path: &str, number: usize, count: usize, diagnostics: &
 /// The point masses that are sound.
 pub fn masses(
     raw: &RawStructure,
-    tables: &[Table<'_, RawMassPoint>],
+    tables: &[Table<'_, MassPoint>],
     mesh: &Mesh,
     diagnostics: &mut Diagnostics<'_>,
 ) -> Vec<MassPoint> {
@@ -92,9 +92,8 @@ pub fn masses(
     for Table { home, number, table: point } in tables {
         diagnostics.about_structure(*home);
         let path = format!("structure.mass_point.{number}");
-        let Some(node) = point.at_m.and_then(|at| node(&path, at, mesh, diagnostics)) else { continue };
-        let inertia = point.inertia_kg_m2.unwrap_or(0.0);
-        if inertia > 0.0 && raw.kind == Some(StructureKind::Rod) {
+        let Some(node) = node(&path, point.at, mesh, diagnostics) else { continue };
+        if point.inertia > 0.0 && raw.kind == StructureKind::Rod {
             let path = format!("{path}.inertia_kg_m2");
             let diagnostic = Diagnostic::warning(format!("`{path}` has no effect"));
             diagnostics.put(&path, diagnostic, "a rod does not turn");
@@ -105,7 +104,7 @@ pub fn masses(
             diagnostics.put(&path, diagnostic, "expected a node that moves");
             continue;
         }
-        sound.extend(point.mass_kg.map(|mass| MassPoint { node, mass, inertia }));
+        sound.push(MassPoint { node, ..**point });
     }
     diagnostics.about_structure(own);
     sound
@@ -122,9 +121,9 @@ pub fn springs(
     for Table { home, number, table: spring } in tables {
         diagnostics.about_structure(*home);
         let path = format!("structure.spring.{number}");
-        let node = spring.at_m.and_then(|at| node(&path, at, mesh, diagnostics));
-        let (Some(node), Some(direction), Some(kind)) = (node, spring.direction, raw.kind) else { continue };
-        if kind == StructureKind::Rod && direction != SpringDirection::Axial {
+        let Some(node) = node(&path, spring.at_m, mesh, diagnostics) else { continue };
+        let direction = spring.direction;
+        if raw.kind == StructureKind::Rod && direction != SpringDirection::Axial {
             let path = format!("{path}.direction");
             let diagnostic = Diagnostic::error(format!("`{path}` cannot be \"{}\" on a rod", direction.name()));
             diagnostics.put(&path, diagnostic.help("a rod moves along its axis only"), "expected \"axial\"");
@@ -170,19 +169,19 @@ fn node(path: &str, at: f64, mesh: &Mesh, diagnostics: &mut Diagnostics<'_>) -> 
 /// The support of a node at an end.
 fn support(raw: &RawStructure, node: usize, mesh: &Mesh) -> Option<Support> {
     match node {
-        0 => raw.start,
+        0 => Some(raw.start),
         n if n == mesh.elements() => Some(raw.end.unwrap_or(Support::Free)),
         _ => None,
     }
 }
 
 fn is_clamped(raw: &RawStructure, node: usize, mesh: &Mesh) -> bool {
-    let (Some(support), Some(kind)) = (support(raw, node, mesh), raw.kind) else { return false };
+    let (Some(support), kind) = (support(raw, node, mesh), raw.kind) else { return false };
     support == Support::Clamped || (kind == StructureKind::Rod && holds(kind, support, Direction::Axial))
 }
 
 fn is_held(raw: &RawStructure, node: usize, direction: SpringDirection, mesh: &Mesh) -> bool {
-    let (Some(support), Some(kind)) = (support(raw, node, mesh), raw.kind) else { return false };
+    let (Some(support), kind) = (support(raw, node, mesh), raw.kind) else { return false };
     match direction {
         SpringDirection::Axial => holds(kind, support, Direction::Axial),
         SpringDirection::Transverse => holds(kind, support, Direction::Transverse),

@@ -23,7 +23,7 @@ pub fn scene(
     base: PathBuf,
     diagnostics: &mut Diagnostics<'_>,
 ) -> Option<RecordScene> {
-    let channels = channels(raw.channel.as_deref().unwrap_or_default(), diagnostics);
+    let channels = channels(&raw.channel, diagnostics);
     let modes = raw.linear_modes.as_ref().and_then(|modes| linear_modes(modes, diagnostics));
     let settings = settings(raw, modes, diagnostics);
     let structure = raw.structure.as_ref().and_then(|structure| super::one_structure(structure, &[], diagnostics));
@@ -31,12 +31,11 @@ pub fn scene(
         super::plausible::structure(structure, diagnostics);
     }
     one_source_of_modes(raw, diagnostics);
-    let recording = raw.recording.as_ref()?;
-    let files = recording.files.clone()?;
-    rate(&files, recording.sample_rate_hz, recording.time_column.as_deref(), diagnostics);
+    let recording = &raw.recording;
+    rate(&recording.files, recording.sample_rate_hz, recording.time_column.as_deref(), diagnostics);
     Some(RecordScene {
         title: raw.title.clone().unwrap_or_else(|| stem.to_owned()),
-        files,
+        files: recording.files.clone(),
         overlays: super::overlays(raw.overlay.as_deref(), &base),
         base,
         recording: Recording {
@@ -94,7 +93,7 @@ fn channels(raw: &[RawChannel], diagnostics: &mut Diagnostics<'_>) -> Option<Vec
 }
 
 fn channel(raw: &RawChannel, path: &str, diagnostics: &mut Diagnostics<'_>) -> Option<Channel> {
-    let (quantity, role) = (quantity(raw.quantity?), role(raw.role?));
+    let (quantity, role) = (quantity(raw.quantity), role(raw.role));
     if !role.fits(quantity) {
         let fitting: Vec<&str> = Quantity::ALL.into_iter().filter(|q| role.fits(*q)).map(Quantity::name).collect();
         let diagnostic =
@@ -123,7 +122,7 @@ fn channel(raw: &RawChannel, path: &str, diagnostics: &mut Diagnostics<'_>) -> O
         sensitivity: raw.sensitivity.unwrap_or(1.0),
         delay: raw.delay_s.unwrap_or(0.0),
         range: raw.range,
-        ..Channel::new(raw.name.clone()?, quantity, role, raw.position_m)
+        ..Channel::new(raw.name.clone(), quantity, role, raw.position_m)
     })
 }
 
@@ -158,15 +157,12 @@ fn role(role: ChannelRole) -> Role {
 }
 
 fn linear_modes(raw: &RawLinearModes, diagnostics: &mut Diagnostics<'_>) -> Option<LinearModes> {
-    let (frequencies, positions) = (raw.frequencies_hz.as_ref()?, raw.positions_m.as_ref()?);
-    let shapes = raw.shapes.as_ref()?;
-    let omegas: Vec<f64> = frequencies.iter().map(|f| TAU * f).collect();
+    let (positions, shapes) = (&raw.positions_m, &raw.shapes);
+    let omegas: Vec<f64> = raw.frequencies_hz.iter().map(|f| TAU * f).collect();
     let damping = raw.damping_ratios.clone().unwrap_or_else(|| vec![0.0; omegas.len()]);
     super::plausible::damping("linear_modes.damping_ratios", &damping, diagnostics);
-    match table(positions, shapes, omegas.len(), damping.len(), diagnostics) {
-        Some(rows) => given(positions, &omegas, &damping, shapes, rows, diagnostics),
-        None => None,
-    }
+    let columns = table(positions, shapes, omegas.len(), damping.len(), diagnostics)?;
+    given(positions, &omegas, &damping, shapes, columns, diagnostics)
 }
 
 /// The table of shapes, if its rows fit; the number of its columns.
@@ -241,7 +237,7 @@ fn settings(
         diagnostics.put("extraction.mode", diagnostic, format!("expected a whole number from 1 to {n}"));
         return None;
     }
-    let stop = raw.stop.as_ref().and_then(stop);
+    let stop = raw.stop.as_ref().map(stop);
     Some(ExtractionSettings { linear_modes: modes, stop, ..self::extraction(extraction) })
 }
 
@@ -260,7 +256,7 @@ pub fn extraction(raw: &RawExtraction) -> ExtractionSettings {
     }
 }
 
-fn stop(raw: &RawStop) -> Option<Stop> {
+fn stop(raw: &RawStop) -> Stop {
     let positive = raw.side.unwrap_or(Side::Positive) == Side::Positive;
-    Some(Stop { position: raw.position_m?, gap: raw.gap_m?, positive })
+    Stop { position: raw.position_m, gap: raw.gap_m, positive }
 }

@@ -1,25 +1,23 @@
 use super::response::Places;
-use crate::raw::{RawAnalysis, RawReduction};
+use crate::raw::RawAnalysis;
 use crate::scene::{MethodKind, Reduction, ReductionKind};
 use crate::{Diagnostic, Diagnostics};
 
 /// How the structure is reduced; `None` is the paper's way with defaults.
 pub fn check(
-    raw: Option<&RawReduction>,
     scene: &RawAnalysis,
     (default, places): (ReductionKind, &Places<'_>),
     diagnostics: &mut Diagnostics<'_>,
 ) -> Option<Reduction> {
-    let empty = RawReduction::default();
-    let raw = raw.unwrap_or(&empty);
-    let kind = raw.kind.unwrap_or(default);
+    let written = scene.reduction.unwrap_or_default();
+    let kind = written.kind.unwrap_or(default);
     if kind == ReductionKind::HeldModes && matches!(places, Places::Bodies(_)) {
         let diagnostic = Diagnostic::error("several structures are reduced by their open modes");
         let diagnostic =
             diagnostic.help("contacts between bodies have no node of their own whose mass could be left out");
         diagnostics.put("reduction.kind", diagnostic, "expected \"open-modes\"");
     }
-    if raw.modes.is_some() && raw.up_to_hz.is_some() {
+    if written.modes.is_some() && written.up_to_hz.is_some() {
         let diagnostic = Diagnostic::error("`reduction.modes` and `reduction.up_to_hz` are two ways to say the same");
         diagnostics.put("reduction.up_to_hz", diagnostic, "expected one of them");
     }
@@ -35,19 +33,17 @@ pub fn check(
         }
     }
     let path = "method.mass_redistribution";
-    let method = scene.method.as_ref().and_then(|method| method.kind).unwrap_or(MethodKind::MsHbm);
     if kind == ReductionKind::OpenModes && diagnostics.has(path) {
         let diagnostic = Diagnostic::warning(format!("`{path}` has no effect"));
         diagnostics.put(path, diagnostic, "with open modes the contacts have no mass, and none is moved");
     }
-    if let (ReductionKind::OpenModes, MethodKind::Shooting, Some(held)) =
-        (kind, method, scene.method.as_ref().and_then(|method| method.held_modes))
+    if let (ReductionKind::OpenModes, Some(MethodKind::Shooting), Some(held)) =
+        (kind, scene.method.kind, scene.method.held_modes)
     {
         let diagnostic = Diagnostic::warning("`method.held_modes` leaves out modes of the reduced structure");
         let diagnostic = diagnostic.help("`reduction.modes` says how many modes there are");
         diagnostics.put("method.held_modes", diagnostic, format!("found {held}"));
     }
-    let (modes, up_to_hz) = (raw.modes.map(|n| n as usize), raw.up_to_hz);
     let plain = kind == ReductionKind::HeldModes && default == kind;
-    (!plain).then_some(Reduction { kind, modes, up_to_hz })
+    (!plain).then_some(Reduction { kind: Some(kind), ..written })
 }

@@ -3,12 +3,12 @@
 mod loads;
 mod place;
 
-use crate::raw::{RawAnalysis, RawResponse};
+use crate::raw::{RawAnalysis, RawPlace, RawResponse};
 use crate::rule::number;
 use crate::scene::{BaseMotion, Damping, Force, Method, MethodKind, Response, ResponseKind};
 use crate::{Diagnostic, Diagnostics};
 pub use loads::own_damping;
-pub use place::{Places, WrittenPlace};
+pub use place::Places;
 
 /// What a scene says about damped and forced motions.
 #[derive(Debug, Default)]
@@ -134,21 +134,21 @@ fn response(
     places: &Places<'_>,
     diagnostics: &mut Diagnostics<'_>,
 ) -> Option<Response> {
-    let kind = raw.kind?;
+    let kind = raw.kind;
     let is_mode = !kind.is_forced();
     let is_sound = [
         has_damping(i, kind, scene, places, diagnostics),
         has_frequency(i, raw, kind, diagnostics),
         has_load(i, kind, scene, is_mode, diagnostics),
-        uses_its_keys(i, raw, kind, diagnostics),
     ];
+    uses_its_keys(i, raw, kind, diagnostics);
     let levels = if is_mode { Some(Vec::new()) } else { levels(i, raw, scene, diagnostics) };
     let base = format!("response.{i}.drive");
     let drive = if raw.drive_m.is_some() || raw.drive_node.is_some() {
         let keys = ["m", "node", "direction", "structure"].map(|key| format!("{base}_{key}"));
-        let (direction, structure) = (raw.drive_direction.as_ref(), raw.drive_structure);
-        let written = WrittenPlace { keys, at: raw.drive_m, node: raw.drive_node, direction, structure };
-        Some(places.place(&written, diagnostics)?)
+        let (direction, structure) = (raw.drive_direction.clone(), raw.drive_structure);
+        let written = RawPlace { at_m: raw.drive_m, node: raw.drive_node, direction, structure };
+        Some(places.place(&written, &keys, diagnostics)?)
     } else {
         None
     };
@@ -173,7 +173,7 @@ fn has_damping(
     places: &Places<'_>,
     diagnostics: &mut Diagnostics<'_>,
 ) -> bool {
-    if scene.damping.is_some() || kind == ResponseKind::Mode || diagnostics.has("damping") || places.are_damped() {
+    if scene.damping.is_some() || kind == ResponseKind::Mode || places.are_damped() {
         return true;
     }
     let diagnostic = Diagnostic::error(format!("a response of kind \"{}\" needs a table [damping]", kind.name()));
@@ -196,7 +196,7 @@ fn has_frequency(i: usize, raw: &RawResponse, kind: ResponseKind, diagnostics: &
         1 => "expected one frequency, as frequency_hz = 41.0",
         _ => "expected the lowest and the highest frequency, as frequency_hz = [39.0, 43.0]",
     };
-    if given.is_empty() && is_needed && !diagnostics.has(&path("frequency_hz")) {
+    if given.is_empty() && is_needed {
         let diagnostic = Diagnostic::error(format!("`{}` is missing", path("frequency_hz")));
         diagnostics.put(&path("kind"), diagnostic, expected);
         return false;
@@ -240,7 +240,7 @@ fn has_load(
 }
 
 /// Keys that belong to another kind of response have no effect.
-fn uses_its_keys(i: usize, raw: &RawResponse, kind: ResponseKind, diagnostics: &mut Diagnostics<'_>) -> bool {
+fn uses_its_keys(i: usize, raw: &RawResponse, kind: ResponseKind, diagnostics: &mut Diagnostics<'_>) {
     let is_mode = !kind.is_forced();
     let keys = [
         ("lag_deg", raw.lag_deg.is_some() && kind != ResponseKind::PhaseResonance, "phase-resonance"),
@@ -263,7 +263,6 @@ fn uses_its_keys(i: usize, raw: &RawResponse, kind: ResponseKind, diagnostics: &
             format!("a response of kind \"{other}\" uses it, \"{}\" does not", kind.name()),
         );
     }
-    true
 }
 
 /// The levels in the unit of the load.
@@ -282,9 +281,7 @@ fn levels(i: usize, raw: &RawResponse, scene: &RawAnalysis, diagnostics: &mut Di
             Some(base) => base.acceleration_m_s2.or(base.amplitude_m),
             None => scene.force.iter().flatten().next().map(|force| force.amplitude_n.unwrap_or(1.0).abs()),
         };
-        let is_misspelt =
-            ["acceleration_m_s2", "amplitude_m"].iter().any(|key| diagnostics.has(&format!("base_motion.{key}")));
-        if own.is_none() && base.is_some() && !is_misspelt {
+        if own.is_none() && base.is_some() {
             let diagnostic = Diagnostic::error("the base motion has no amplitude");
             diagnostics.put("base_motion", diagnostic, "expected `acceleration_m_s2` or `amplitude_m` in this table");
         }

@@ -15,13 +15,13 @@ pub fn section(
     table: &str,
     raw: &RawSection,
     kind: StructureKind,
-    material: Option<&RawMaterial>,
+    material: &RawMaterial,
     diagnostics: &mut Diagnostics<'_>,
 ) -> Option<Section> {
     if kind == StructureKind::Rod {
         warn_unused(table, diagnostics);
     }
-    let poissons_ratio = material.and_then(|material| material.poissons_ratio).unwrap_or(POISSONS_RATIO);
+    let poissons_ratio = material.poissons_ratio.unwrap_or(POISSONS_RATIO);
     let general: &[&str] = match kind {
         StructureKind::Rod => &["area_m2"],
         StructureKind::Beam => &["area_m2", "second_moment_m4"],

@@ -3,7 +3,7 @@ use nlmodes_fem::Mesh;
 use super::section::section;
 use crate::raw::{RawMaterial, RawSegment, RawStructure};
 use crate::rule::number;
-use crate::scene::{MassMatrix, Section, Segment, Structure, Support};
+use crate::scene::{Section, Segment, Structure, Support};
 use crate::{Diagnostic, Diagnostics};
 
 use super::nodes::{Nodes, beside, node_at};
@@ -13,45 +13,33 @@ use super::response::own_damping;
 /// The checked structure with its nodes and what is fixed to these.
 pub fn check(
     raw: &RawStructure,
-    nodes: Option<&Nodes>,
+    nodes: &Nodes,
     fixed: &Fixed<'_>,
     diagnostics: &mut Diagnostics<'_>,
 ) -> Option<Structure> {
-    let own = raw.section.as_ref().zip(raw.kind);
-    let section =
-        own.and_then(|(found, kind)| section("structure.section", found, kind, raw.material.as_ref(), diagnostics));
-    let modes = raw.modes.as_ref().map(|modes| super::modes::check(modes, diagnostics));
-    let masses = nodes.map(|nodes| super::parts::masses(raw, &fixed.masses, &nodes.mesh, diagnostics));
-    let springs = nodes.map(|nodes| super::parts::springs(raw, &fixed.springs, &nodes.mesh, diagnostics));
-    let damping = raw.damping.as_ref().map(|written| own_damping(written, diagnostics));
-    let segments = match nodes {
-        Some(nodes) => segments(raw, section, &nodes.mesh, diagnostics),
-        None => Some(Vec::new()),
-    };
-    let material = raw.material.as_ref()?;
+    let section = section("structure.section", &raw.section, raw.kind, &raw.material, diagnostics);
+    raw.modes.iter().for_each(|modes| super::modes::check(modes, diagnostics));
+    let mass_points = super::parts::masses(raw, &fixed.masses, &nodes.mesh, diagnostics);
+    let springs = super::parts::springs(raw, &fixed.springs, &nodes.mesh, diagnostics);
+    let damping = raw.damping.as_ref().and_then(|written| own_damping(written, diagnostics));
+    let segments = segments(raw, section, &nodes.mesh, diagnostics);
     Some(Structure {
-        length: raw.length_m?,
-        elements: raw.elements? as usize,
+        length: raw.length_m,
+        elements: raw.elements as usize,
         grading: raw.grading.unwrap_or(1.0),
-        mass_matrix: raw.mass_matrix.unwrap_or(MassMatrix::Consistent),
-        start: raw.start?,
+        mass_matrix: raw.mass_matrix.unwrap_or_default(),
+        start: raw.start,
         end: raw.end.unwrap_or(Support::Free),
-        youngs_modulus: material.youngs_modulus_pa?,
-        density: material.density_kg_m3?,
+        youngs_modulus: raw.material.youngs_modulus_pa,
+        density: raw.material.density_kg_m3,
         section: section?,
         added_mass: raw.added_mass_kg_m.unwrap_or(0.0),
         segments: segments?,
-        refined: nodes.and_then(|nodes| nodes.refined.clone()),
-        mass_points: masses.unwrap_or_default(),
-        springs: springs.unwrap_or_default(),
-        modes: match modes {
-            Some(modes) => Some(modes?),
-            None => None,
-        },
-        damping: match damping {
-            Some(damping) => Some(damping?),
-            None => None,
-        },
+        refined: nodes.refined.clone(),
+        mass_points,
+        springs,
+        modes: raw.modes.clone(),
+        damping,
     })
 }
 
@@ -88,7 +76,7 @@ fn segments(
 /// The node at which segment `i` ends.
 fn end(i: usize, raw: &RawSegment, from: usize, mesh: &Mesh, diagnostics: &mut Diagnostics<'_>) -> Option<usize> {
     let path = format!("structure.segment.{i}.to_m");
-    let to = raw.to_m?;
+    let to = raw.to_m;
     let Some(node) = node_at(mesh, to) else {
         let [low, high] = beside(mesh, to).map(|node| number(mesh.nodes()[node]));
         let diagnostic = Diagnostic::error(format!("`{path}` is not at a node of the mesh"));
@@ -112,25 +100,25 @@ fn segment(
     own: Option<Section>,
     diagnostics: &mut Diagnostics<'_>,
 ) -> Option<Segment> {
-    let material = raw.material.as_ref().or(structure.material.as_ref());
+    let material = raw.material.as_ref().unwrap_or(&structure.material);
     let path = format!("structure.segment.{i}.section");
     let section = match &raw.section {
-        Some(found) => section(&path, found, structure.kind?, material, diagnostics),
+        Some(found) => section(&path, found, structure.kind, material, diagnostics),
         None => own.map(|own| with_poissons_ratio(own, material)),
     };
     Some(Segment {
         to_node: 0,
         to: 0.0,
-        youngs_modulus: material?.youngs_modulus_pa?,
-        density: material?.density_kg_m3?,
+        youngs_modulus: material.youngs_modulus_pa,
+        density: material.density_kg_m3,
         section: section?,
         added_mass: raw.added_mass_kg_m.or(structure.added_mass_kg_m).unwrap_or(0.0),
     })
 }
 
 /// The section of the structure in a material of its own.
-fn with_poissons_ratio(own: Section, material: Option<&RawMaterial>) -> Section {
-    match (own, material.and_then(|material| material.poissons_ratio)) {
+fn with_poissons_ratio(own: Section, material: &RawMaterial) -> Section {
+    match (own, material.poissons_ratio) {
         (Section::Beam { area, second_moment, shear_factor, .. }, Some(poissons_ratio)) => {
             Section::Beam { area, second_moment, shear_factor, poissons_ratio }
         }

@@ -1,27 +1,24 @@
-use crate::raw::RawUpdating;
 use crate::scene::{UpdatedParameter, Updating};
 use crate::{Diagnostic, Diagnostics};
 
-/// The updating of one structure, which is the same everywhere along its axis.
-pub fn check(raw: &RawUpdating, uniform: bool, diagnostics: &mut Diagnostics<'_>) -> Option<Updating> {
-    if !uniform {
+/// The updating of one structure, which is the same everywhere along its axis, with the numbers of all modes.
+pub fn checked(written: &Updating, uniform: bool, diagnostics: &mut Diagnostics<'_>) -> Updating {
+    let mut updating = written.clone();
+    if updating.modes.is_empty() {
+        updating.modes = (1..=updating.frequencies_hz.len()).collect();
+    }
+    if uniform {
+        is_paired(&updating, diagnostics);
+        has_enough(&updating, diagnostics);
+        is_distinct(&updating, diagnostics);
+    } else {
         let diagnostic = Diagnostic::error("`updating` fits parameters of one rod or beam without segments");
         diagnostics.put("updating", diagnostic, "the structure of this scene is another one");
-        return None;
     }
-    let frequencies_hz = raw.frequencies_hz.clone()?;
-    let parameters = raw.parameters.clone().unwrap_or_else(|| vec![UpdatedParameter::YoungsModulus]);
-    let modes = match &raw.modes {
-        Some(modes) => modes.iter().map(|mode| *mode as usize).collect(),
-        None => (1..=frequencies_hz.len()).collect(),
-    };
-    let updating = Updating { parameters, frequencies_hz, modes, done: None };
-    let sound =
-        [is_paired(&updating, diagnostics), has_enough(&updating, diagnostics), is_distinct(&updating, diagnostics)];
-    (sound == [true; 3]).then_some(updating)
+    updating
 }
 
-fn is_paired(updating: &Updating, diagnostics: &mut Diagnostics<'_>) -> bool {
+fn is_paired(updating: &Updating, diagnostics: &mut Diagnostics<'_>) {
     let (modes, frequencies) = (updating.modes.len(), updating.frequencies_hz.len());
     if modes != frequencies {
         let diagnostic = Diagnostic::error("`updating` has not one mode for each frequency");
@@ -31,24 +28,22 @@ fn is_paired(updating: &Updating, diagnostics: &mut Diagnostics<'_>) -> bool {
             format!("found {modes}, expected {frequencies}, one a frequency"),
         );
     }
-    modes == frequencies
 }
 
-fn has_enough(updating: &Updating, diagnostics: &mut Diagnostics<'_>) -> bool {
+fn has_enough(updating: &Updating, diagnostics: &mut Diagnostics<'_>) {
     let (wanted, given) = (updating.parameters.len(), updating.frequencies_hz.len());
     if wanted > given {
         let diagnostic = Diagnostic::error("`updating` has more parameters than frequencies to find them from");
         diagnostics.put("updating.frequencies_hz", diagnostic, format!("found {given}, expected {wanted} or more"));
     }
-    wanted <= given
 }
 
-fn is_distinct(updating: &Updating, diagnostics: &mut Diagnostics<'_>) -> bool {
+fn is_distinct(updating: &Updating, diagnostics: &mut Diagnostics<'_>) {
     let parameters = &updating.parameters;
     if let Some(i) = (1..parameters.len()).find(|&i| parameters[..i].contains(&parameters[i])) {
         let diagnostic = Diagnostic::error(format!("`updating.parameters` names \"{}\" twice", parameters[i].name()));
         diagnostics.put("updating.parameters", diagnostic, "expected each once");
-        return false;
+        return;
     }
     let both = [UpdatedParameter::YoungsModulus, UpdatedParameter::Density].iter().all(|p| parameters.contains(p));
     if both {
@@ -58,10 +53,8 @@ fn is_distinct(updating: &Updating, diagnostics: &mut Diagnostics<'_>) -> bool {
         diagnostics.put("updating.parameters", diagnostic, "expected one of the two");
     }
     let modes = &updating.modes;
-    let repeated = (1..modes.len()).find(|&i| modes[..i].contains(&modes[i]));
-    if let Some(i) = repeated {
+    if let Some(i) = (1..modes.len()).find(|&i| modes[..i].contains(&modes[i])) {
         let diagnostic = Diagnostic::error(format!("`updating.modes` names mode {} twice", modes[i]));
         diagnostics.put("updating.modes", diagnostic, "expected each once");
     }
-    !both && repeated.is_none()
 }

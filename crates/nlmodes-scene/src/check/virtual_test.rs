@@ -6,19 +6,12 @@ use nlmodes::experiment::extraction::ExtractionSettings;
 use nlmodes::rig::{Exciter, Hold, Schedule, Shaker};
 use nlmodes::virtual_test::BenchNoise;
 
-use crate::raw::{
-    RawBackbone, RawExciter, RawExtraction, RawLoop, RawNoise, RawSchedule, RawTestScene, RawTestStop, RawVirtualTest,
-};
+use crate::raw::{RawExciter, RawExtraction, RawNoise, RawSchedule, RawTestScene, RawVirtualTest};
 use crate::rule::number;
-use crate::scene::{
-    Backbone, BackboneMethod, ExciterKind, KeptRecords, LevelOrder, LoopDetector, RecordFormat, Side, TestLoop,
-    TestScene, TestStop,
-};
+use crate::scene::{BackboneMethod, ExciterKind, KeptRecords, LevelOrder, TestScene};
 use crate::{Diagnostic, Diagnostics};
 
 const SAMPLE_RATE: f64 = 20e3;
-const LAG_DEG: f64 = 90.0;
-const BACKBONE_HARMONICS: u32 = 20;
 /// Most samples of a record: a slip of a unit should not fill the memory.
 const MAX_SAMPLES: f64 = 1e7;
 /// Most samples of a whole test, some hours of computing.
@@ -27,21 +20,16 @@ const MAX_TEST_SAMPLES: f64 = 1e9;
 /// The checked scene, or `None` if an error among the diagnostics stands in its way. `stem` is the name of the file,
 /// `base` its directory.
 pub fn scene(raw: &RawTestScene, stem: &str, base: &Path, diagnostics: &mut Diagnostics<'_>) -> Option<TestScene> {
-    let at = raw.virtual_test.as_ref().and_then(|test| test.stop.as_ref()?.position_m);
-    let stops: Vec<f64> = at.into_iter().collect();
-    let structure = raw.structure.as_ref().and_then(|structure| super::one_structure(structure, &stops, diagnostics));
-    let test = raw.virtual_test.as_ref()?;
-    let length = raw.structure.as_ref().and_then(|structure| structure.length_m);
-    positions(test, length, diagnostics);
+    let test = &raw.virtual_test;
+    let stops: Vec<f64> = test.stop.iter().map(|stop| stop.position).collect();
+    let structure = super::one_structure(&raw.structure, &stops, diagnostics);
+    positions(test, raw.structure.length_m, diagnostics);
     let damping_ratios = damping_ratios(raw, diagnostics);
     let modes = modes(raw, damping_ratios.as_deref(), diagnostics);
     let exciter = exciter(test.exciter.as_ref(), diagnostics);
-    let schedule = test.schedule.as_ref().zip(exciter).and_then(|(raw, exciter)| schedule(raw, exciter, diagnostics));
+    let schedule = schedule(&test.schedule, exciter, diagnostics);
     let settings = settings(raw.extraction.as_ref(), modes, diagnostics);
-    let records = test.records.as_ref().map(|kept| KeptRecords {
-        format: kept.format.unwrap_or(RecordFormat::Csv),
-        levels: kept.levels.as_ref().map(|levels| levels.iter().map(|n| *n as usize).collect()),
-    });
+    let records = test.records.clone();
     if let (Some(records), Some(schedule)) = (&records, &schedule) {
         kept_levels(records, schedule.levels.len(), diagnostics);
     }
@@ -53,34 +41,23 @@ pub fn scene(raw: &RawTestScene, stem: &str, base: &Path, diagnostics: &mut Diag
         let diagnostic = Diagnostic::error("a backbone is to be computed, but there is no stop");
         diagnostics.put("virtual_test.backbone", diagnostic, "without a stop the backbone is a straight line");
     }
-    let stop = match &test.stop {
-        Some(raw) => Some(stop(raw)?),
-        None => None,
-    };
-    let backbone = match &test.backbone {
-        Some(raw) => Some(Backbone {
-            methods: methods(raw, diagnostics)?,
-            harmonics: raw.harmonics.unwrap_or(BACKBONE_HARMONICS) as usize,
-            end_hz: raw.end_frequency_hz?,
-        }),
-        None => None,
-    };
+    test.backbone.iter().for_each(|backbone| each_once(&backbone.methods, diagnostics));
     let scene = TestScene {
         title: raw.title.clone().unwrap_or_else(|| stem.to_owned()),
         structure: structure?,
         damping_ratios: damping_ratios?,
         frequencies_hz: test.frequencies_hz.clone(),
-        drive: test.drive_m?,
+        drive: test.drive_m,
         accelerometers: test.accelerometers_m.clone().unwrap_or_default(),
-        stop,
-        exciter: exciter?,
+        stop: test.stop,
+        exciter,
         noise: noise(test.noise.as_ref()),
         seed: u64::from(test.seed.unwrap_or(1)),
         sample_rate,
-        control: control(test.control.as_ref()),
+        control: test.control.unwrap_or_default(),
         schedule: schedule?,
         records,
-        backbone,
+        backbone: test.backbone.clone(),
         settings: settings?,
         overlays: super::overlays(raw.overlay.as_deref(), base),
         output_directory: super::output_directory(
@@ -111,12 +88,11 @@ fn duration(scene: &TestScene, diagnostics: &mut Diagnostics<'_>) {
 }
 
 /// Everything on the bench stands beside the structure.
-fn positions(test: &RawVirtualTest, length: Option<f64>, diagnostics: &mut Diagnostics<'_>) {
-    let Some(length) = length else { return };
+fn positions(test: &RawVirtualTest, length: f64, diagnostics: &mut Diagnostics<'_>) {
     let accelerometers = test.accelerometers_m.iter().flatten().enumerate();
     let accelerometers = accelerometers.map(|(i, x)| (format!("virtual_test.accelerometers_m.{i}"), Some(*x)));
-    let stop = test.stop.as_ref().and_then(|stop| stop.position_m);
-    let single = [("virtual_test.drive_m", test.drive_m), ("virtual_test.stop.position_m", stop)];
+    let stop = test.stop.map(|stop| stop.position);
+    let single = [("virtual_test.drive_m", Some(test.drive_m)), ("virtual_test.stop.position_m", stop)];
     for (path, x) in single.map(|(path, x)| (path.to_owned(), x)).into_iter().chain(accelerometers) {
         if x.is_some_and(|x| x > length) {
             let diagnostic =
@@ -130,25 +106,21 @@ fn positions(test: &RawVirtualTest, length: Option<f64>, diagnostics: &mut Diagn
 }
 
 /// Each method once.
-fn methods(raw: &RawBackbone, diagnostics: &mut Diagnostics<'_>) -> Option<Vec<BackboneMethod>> {
-    let methods = raw.methods.clone().unwrap_or_else(|| vec![BackboneMethod::Hbm]);
+fn each_once(methods: &[BackboneMethod], diagnostics: &mut Diagnostics<'_>) {
     if let Some(k) = (1..methods.len()).find(|&k| methods[..k].contains(&methods[k])) {
         let path = "virtual_test.backbone.methods";
         let diagnostic = Diagnostic::error(format!("`{path}` names \"{}\" twice", methods[k].name()));
         diagnostics.put(path, diagnostic, "expected each once");
-        return None;
     }
-    Some(methods)
 }
 
 /// Those of the test, or of the structure's imposed modes.
 fn damping_ratios(raw: &RawTestScene, diagnostics: &mut Diagnostics<'_>) -> Option<Vec<f64>> {
     const PATH: &str = "virtual_test.damping_ratios";
-    let own = raw.virtual_test.as_ref().and_then(|test| test.damping_ratios.clone());
-    let imposed = raw.structure.as_ref().and_then(|structure| structure.modes.as_ref());
+    let own = raw.virtual_test.damping_ratios.clone();
+    let imposed = raw.structure.modes.as_ref();
     let found = own.or_else(|| imposed.and_then(|modes| modes.damping_ratios.clone()));
-    let is_written = diagnostics.has(PATH) || diagnostics.has("structure.modes.damping_ratios");
-    if found.is_none() && !is_written && !diagnostics.has_misspelt("damping_ratios") {
+    if found.is_none() {
         let diagnostic = Diagnostic::error(format!("`{PATH}` is missing"));
         let diagnostic =
             diagnostic.help("so many modes are taken; damping ratios may stand below [structure.modes] too");
@@ -159,10 +131,10 @@ fn damping_ratios(raw: &RawTestScene, diagnostics: &mut Diagnostics<'_>) -> Opti
 
 /// The number of modes, if frequencies and damping ratios agree on it.
 fn modes(raw: &RawTestScene, damping_ratios: Option<&[f64]>, diagnostics: &mut Diagnostics<'_>) -> Option<usize> {
-    let (modes, test) = (damping_ratios?.len(), raw.virtual_test.as_ref()?);
+    let (modes, test) = (damping_ratios?.len(), &raw.virtual_test);
     let Some(frequencies) = &test.frequencies_hz else { return Some(modes) };
     let path = "virtual_test.frequencies_hz";
-    if raw.structure.as_ref().is_some_and(|structure| structure.modes.is_some()) {
+    if raw.structure.modes.is_some() {
         let diagnostic = Diagnostic::error("the frequencies of the modes are given twice");
         let diagnostic =
             diagnostic.help("those below [structure.modes] hold for the test and for what is computed beside it");
@@ -181,13 +153,9 @@ fn modes(raw: &RawTestScene, damping_ratios: Option<&[f64]>, diagnostics: &mut D
     super::modes::ascends(frequencies, path, diagnostics).then_some(modes)
 }
 
-/// The exciter, if its kind is one.
-fn exciter(raw: Option<&RawExciter>, diagnostics: &mut Diagnostics<'_>) -> Option<Exciter> {
+fn exciter(raw: Option<&RawExciter>, diagnostics: &mut Diagnostics<'_>) -> Exciter {
     let (typical, none) = (Shaker::default(), RawExciter::default());
     let raw = raw.unwrap_or(&none);
-    if raw.kind.is_none() && diagnostics.has("virtual_test.exciter.kind") {
-        return None;
-    }
     if raw.kind == Some(ExciterKind::Force) {
         let keys = [
             "resistance_ohm",
@@ -205,9 +173,9 @@ fn exciter(raw: Option<&RawExciter>, diagnostics: &mut Diagnostics<'_>) -> Optio
                 diagnostics.put(&path, diagnostic, "only kind = \"shaker\" uses it");
             }
         }
-        return Some(Exciter::IdealForce);
+        return Exciter::IdealForce;
     }
-    Some(Exciter::Shaker(Shaker {
+    Exciter::Shaker(Shaker {
         resistance: raw.resistance_ohm.unwrap_or(typical.resistance),
         inductance: raw.inductance_h.unwrap_or(typical.inductance),
         force_constant: raw.force_constant_n_a.unwrap_or(typical.force_constant),
@@ -216,7 +184,7 @@ fn exciter(raw: Option<&RawExciter>, diagnostics: &mut Diagnostics<'_>) -> Optio
         suspension_damping: raw.suspension_damping_n_s_m.unwrap_or(typical.suspension_damping),
         stinger_stiffness: raw.stinger_stiffness_n_m.unwrap_or(typical.stinger_stiffness),
         stinger_damping: raw.stinger_damping_n_s_m.unwrap_or(typical.stinger_damping),
-    }))
+    })
 }
 
 fn schedule(raw: &RawSchedule, exciter: Exciter, diagnostics: &mut Diagnostics<'_>) -> Option<Schedule> {
@@ -233,7 +201,7 @@ fn schedule(raw: &RawSchedule, exciter: Exciter, diagnostics: &mut Diagnostics<'
         return None;
     }
     let path = format!("virtual_test.schedule.{key}");
-    if levels.is_none() && !diagnostics.has(&path) {
+    if levels.is_none() {
         let diagnostic = Diagnostic::error(format!("`{path}` is missing"));
         diagnostics.put(&path, diagnostic, format!("expected `{key}` in this table: levels of {kind}"));
     }
@@ -293,15 +261,6 @@ fn settings(
     Some(settings)
 }
 
-fn stop(raw: &RawTestStop) -> Option<TestStop> {
-    Some(TestStop {
-        position: raw.position_m?,
-        gap: raw.gap_m?,
-        side: raw.side.unwrap_or(Side::Positive),
-        stiffness: raw.stiffness_n_m,
-    })
-}
-
 fn noise(raw: Option<&RawNoise>) -> BenchNoise {
     raw.map_or_else(BenchNoise::default, |raw| BenchNoise {
         force: raw.force_n.unwrap_or(0.0),
@@ -310,14 +269,4 @@ fn noise(raw: Option<&RawNoise>) -> BenchNoise {
         acceleration: raw.acceleration_m_s2.unwrap_or(0.0),
         contact_force: raw.contact_force_n.unwrap_or(0.0),
     })
-}
-
-fn control(raw: Option<&RawLoop>) -> TestLoop {
-    TestLoop {
-        detector: raw.and_then(|raw| raw.detector).unwrap_or(LoopDetector::Adaptive),
-        cut_off_hz: raw.and_then(|raw| raw.cut_off_hz),
-        start_hz: raw.and_then(|raw| raw.start_frequency_hz),
-        lag_deg: raw.and_then(|raw| raw.lag_deg).unwrap_or(LAG_DEG),
-        controlled_harmonics: raw.and_then(|raw| raw.controlled_harmonics).unwrap_or(1) as usize,
-    }
 }

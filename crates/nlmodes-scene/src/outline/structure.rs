@@ -167,7 +167,7 @@ fn method(scene: &Scene) -> String {
 }
 
 fn branch(continuation: &Continuation, mode: usize) -> String {
-    let from = match continuation.start {
+    let from = match continuation.start() {
         Start::Grazing => "from grazing".into(),
         Start::Frequency { hz, direction } => format!("from {} Hz, {}", number(hz), direction.name()),
         Start::Energy { ratio, direction } => {

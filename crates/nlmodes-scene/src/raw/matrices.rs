@@ -6,12 +6,11 @@ use crate::scene::MatricesKind;
 
 /// A scene of nlmodes: a structure from the files of a finite-element program, its contacts, and how its nonlinear mode
 /// is to be computed.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[schemars(title = "nlmodes scene of matrices")]
 pub struct RawMatrixScene {
     /// The structure: its files
-    #[schemars(required)]
-    pub structure: Option<RawMatrices>,
+    pub structure: RawMatrices,
     /// One-sided contacts of nodes, any number, each under its own heading `[[contact]]`
     pub contact: Option<Vec<RawNodeContact>>,
     /// Everything else
@@ -20,20 +19,18 @@ pub struct RawMatrixScene {
 }
 
 /// The files of a structure.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Deserialize, JsonSchema)]
 pub struct RawMatrices {
     /// What the structure is made of
     #[serde(rename = "kind")]
-    #[schemars(required)]
-    pub _kind: Option<MatricesKind>,
+    pub _kind: MatricesKind,
     /// Stiffness matrix: .sti (CalculiX), .mtx (Matrix Market, Abaqus, "sub.mtx#STIFFNESS"), .npz (SciPy), .mat
     /// ("model.mat#K", "model.mat#FEM.K"), .hb, .pch ("model.pch#KAAX"), also .gz; relative to the scene
-    #[schemars(required, length(min = 1))]
-    pub stiffness: Option<String>,
+    #[schemars(length(min = 1))]
+    pub stiffness: String,
     /// Mass matrix, in the same way
-    #[schemars(required, length(min = 1))]
-    pub mass: Option<String>,
+    #[schemars(length(min = 1))]
+    pub mass: String,
     /// Which node and direction each row is: .dof (CalculiX), .mapping (Ansys) or a table row,node,component[,x,y,z];
     /// not needed where the matrices say it
     #[schemars(length(min = 1))]
@@ -80,7 +77,6 @@ pub enum RawNormal {
 
 /// A contact of a node, of each node of a set, or of pairs of nodes.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
 #[schemars(extend("required" = [], "oneRequired" = ["node", "nodes", "pairs"]))]
 pub struct RawNodeContact {
     /// The node that touches

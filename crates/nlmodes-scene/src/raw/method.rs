@@ -12,7 +12,6 @@ pub const MAX_SAMPLES: u32 = 1 << 20;
 
 /// How the periodic motion is computed.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
 #[schemars(extend("required" = [], "oneRequired" = ["harmonics", "accuracy"]))]
 pub struct RawMethod {
     /// Method

@@ -4,35 +4,15 @@ use serde::Deserialize;
 use super::{RawMaterial, RawSection};
 use crate::scene::SpringDirection;
 
-/// A point mass at a node.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct RawMassPoint {
-    /// Position along the axis, measured from the start; must be a node of the mesh
-    #[schemars(required, extend("unit" = "m", "minimum" = 0.0))]
-    pub at_m: Option<f64>,
-    /// Mass
-    #[schemars(required, extend("unit" = "kg", "exclusiveMinimum" = 0.0))]
-    pub mass_kg: Option<f64>,
-    /// Moment of inertia about the bending axis of a beam
-    #[schemars(extend("unit" = "kg·m²", "minimum" = 0.0, "default" = 0.0))]
-    pub inertia_kg_m2: Option<f64>,
-    /// Number of the structure of several to which it belongs; default: that under whose heading it stands
-    #[schemars(range(min = 1))]
-    pub structure: Option<u32>,
-}
-
 /// A spring between a node and the ground.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[schemars(extend("oneRequired" = ["stiffness_n_m", "stiffness_nm"]))]
 pub struct RawSpring {
     /// Position along the axis, measured from the start; must be a node of the mesh
-    #[schemars(required, extend("unit" = "m", "minimum" = 0.0))]
-    pub at_m: Option<f64>,
+    #[schemars(extend("unit" = "m", "minimum" = 0.0))]
+    pub at_m: f64,
     /// Direction of the motion that it holds back; a rotational spring is "rotation"
-    #[schemars(required)]
-    pub direction: Option<SpringDirection>,
+    pub direction: SpringDirection,
     /// Stiffness of a spring along or across the axis
     #[schemars(extend("unit" = "N/m", "exclusiveMinimum" = 0.0))]
     pub stiffness_n_m: Option<f64>,
@@ -45,12 +25,11 @@ pub struct RawSpring {
 }
 
 /// A part of a rod or beam, from where the one before ends, or the start.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Deserialize, JsonSchema)]
 pub struct RawSegment {
     /// Position at which it ends; must be a node of the mesh
-    #[schemars(required, extend("unit" = "m", "exclusiveMinimum" = 0.0))]
-    pub to_m: Option<f64>,
+    #[schemars(extend("unit" = "m", "exclusiveMinimum" = 0.0))]
+    pub to_m: f64,
     /// Its material; default: that of the structure
     pub material: Option<RawMaterial>,
     /// Its cross section; default: that of the structure

@@ -3,26 +3,24 @@
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 
+use crate::raw::RawStructure;
 use crate::raw::method::MAX_HARMONICS;
-use crate::raw::{RawDirectory, RawOverlay, RawStructure};
-use crate::scene::{ChannelRole, MeasuredQuantity, Side};
+use crate::scene::{ChannelRole, Directory, MeasuredQuantity, Overlay, Side};
 
 /// Most numbers of a list.
 const MAX_LIST: u32 = 4096;
 
 /// Records of a test, and what is to be extracted from them. SI units unless a channel says otherwise.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[schemars(title = "nlmodes scene of measured records")]
 pub struct RawRecordScene {
     /// Title of tables and figures; default: the name of the file
     pub title: Option<String>,
     /// The files of the records, and how they were sampled
-    #[schemars(required)]
-    pub recording: Option<RawRecording>,
+    pub recording: RawRecording,
     /// Channels of the records, each under its own heading `[[channel]]`
-    #[schemars(required, length(min = 1))]
-    pub channel: Option<Vec<RawChannel>>,
+    #[schemars(length(min = 1))]
+    pub channel: Vec<RawChannel>,
     /// Mass-normalised linear modes at the response channels; without them there are no modal quantities
     pub linear_modes: Option<RawLinearModes>,
     /// The structure, instead of `linear_modes`: its linear modes at the sensors are computed, without damping
@@ -33,18 +31,17 @@ pub struct RawRecordScene {
     pub stop: Option<RawStop>,
     /// Computed branches, or other tests, that figures and page show beside the records, each under a heading
     /// `[[overlay]]`
-    pub overlay: Option<Vec<RawOverlay>>,
+    pub overlay: Option<Vec<Overlay>>,
     /// Where results go
-    pub output: Option<RawDirectory>,
+    pub output: Option<Directory>,
 }
 
 /// Files of records.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Deserialize, JsonSchema)]
 pub struct RawRecording {
     /// Files, a record each: .csv, .uff or .unv (58, 58b), .wav, .npy; paths from where the scene is
-    #[schemars(required, length(min = 1, max = MAX_LIST))]
-    pub files: Option<Vec<String>>,
+    #[schemars(length(min = 1, max = MAX_LIST))]
+    pub files: Vec<String>,
     /// Sampling rate; must agree with the time column or the header to 1e-6
     #[schemars(extend("unit" = "Hz", "exclusiveMinimum" = 0.0))]
     pub sample_rate_hz: Option<f64>,
@@ -54,21 +51,18 @@ pub struct RawRecording {
 }
 
 /// A channel of the records.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Deserialize, JsonSchema)]
 pub struct RawChannel {
     /// Name of the column, or in the header; files without names (.wav, .npy) are taken in the order of the headings
-    #[schemars(required, length(min = 1))]
-    pub name: Option<String>,
+    #[schemars(length(min = 1))]
+    pub name: String,
     /// What the channel measures
-    #[schemars(required)]
-    pub quantity: Option<MeasuredQuantity>,
+    pub quantity: MeasuredQuantity,
     /// Unit of the recorded numbers, for instance N, m, mm, m/s, m/s^2, g, rad; default: the SI unit
     #[schemars(length(min = 1))]
     pub unit: Option<String>,
     /// What the channel is there for
-    #[schemars(required)]
-    pub role: Option<ChannelRole>,
+    pub role: ChannelRole,
     /// Position along the structure, where the channel has one
     #[schemars(extend("unit" = "m"))]
     pub position_m: Option<f64>,
@@ -86,26 +80,24 @@ pub struct RawChannel {
 }
 
 /// Mass-normalised linear modes.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Deserialize, JsonSchema)]
 pub struct RawLinearModes {
     /// Eigenfrequencies
-    #[schemars(required, inner(range(min = 1e-9)), length(min = 1, max = MAX_LIST), extend("unit" = "Hz"))]
-    pub frequencies_hz: Option<Vec<f64>>,
+    #[schemars(inner(range(min = 1e-9)), length(min = 1, max = MAX_LIST), extend("unit" = "Hz"))]
+    pub frequencies_hz: Vec<f64>,
     /// Damping ratios; default: zero
     #[schemars(inner(range(min = 0.0)), length(min = 1, max = MAX_LIST))]
     pub damping_ratios: Option<Vec<f64>>,
     /// Positions that the rows of `shapes` belong to
-    #[schemars(required, length(min = 1, max = MAX_LIST), extend("unit" = "m"))]
-    pub positions_m: Option<Vec<f64>>,
+    #[schemars(length(min = 1, max = MAX_LIST), extend("unit" = "m"))]
+    pub positions_m: Vec<f64>,
     /// Mode shapes, mass-normalised: a row a position, an entry a mode
-    #[schemars(required, inner(length(min = 1, max = MAX_LIST)), length(min = 1, max = MAX_LIST), extend("unit" = "1/√kg"))]
-    pub shapes: Option<Vec<Vec<f64>>>,
+    #[schemars(inner(length(min = 1, max = MAX_LIST)), length(min = 1, max = MAX_LIST), extend("unit" = "1/√kg"))]
+    pub shapes: Vec<Vec<f64>>,
 }
 
 /// What is to be extracted.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
 pub struct RawExtraction {
     /// Number of the linear mode that is excited, 1 for the lowest
     #[schemars(range(min = 1), extend("default" = 1))]
@@ -154,15 +146,14 @@ fn number_or_nyquist(_: &mut SchemaGenerator) -> Schema {
 }
 
 /// Where the stop is.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Deserialize, JsonSchema)]
 pub struct RawStop {
     /// Position along the structure
-    #[schemars(required, extend("unit" = "m"))]
-    pub position_m: Option<f64>,
+    #[schemars(extend("unit" = "m"))]
+    pub position_m: f64,
     /// Clearance at rest
-    #[schemars(required, extend("unit" = "m"))]
-    pub gap_m: Option<f64>,
+    #[schemars(extend("unit" = "m"))]
+    pub gap_m: f64,
     /// Side on which the stop stands
     #[schemars(extend("default" = "positive"))]
     pub side: Option<Side>,

@@ -6,9 +6,18 @@ use crate::scene::{Direction, ResponseKind, StopOfBase};
 
 /// Damping of the structure with its contacts open: one of `ratio`, `ratios`, `rayleigh`, and dashpots beside it or
 /// alone. Of several structures each has this one where it has none of its own.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Deserialize, JsonSchema)]
 pub struct RawDamping {
+    /// Of the modes
+    #[serde(flatten)]
+    pub modes: RawModeDamping,
+    /// Dashpots to the ground, each under its own heading `[[damping.dashpot]]`
+    pub dashpot: Option<Vec<RawDashpot>>,
+}
+
+/// Damping of one structure of several, with its contacts open: one of these.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+pub struct RawModeDamping {
     /// Damping ratio of all modes
     #[schemars(range(min = 0.0), extend("exclusiveMaximum" = 1.0))]
     pub ratio: Option<f64>,
@@ -17,27 +26,10 @@ pub struct RawDamping {
     pub ratios: Option<Vec<f64>>,
     /// Damping as a sum of parts of mass and stiffness
     pub rayleigh: Option<RawRayleigh>,
-    /// Dashpots to the ground, each under its own heading `[[damping.dashpot]]`
-    pub dashpot: Option<Vec<RawDashpot>>,
-}
-
-/// Damping of one structure of several, with its contacts open: one of these.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct RawOwnDamping {
-    /// Damping ratio of all its modes
-    #[schemars(range(min = 0.0), extend("exclusiveMaximum" = 1.0))]
-    pub ratio: Option<f64>,
-    /// Damping ratios of its modes one by one; the last one goes on
-    #[schemars(length(min = 1, max = 1000), inner(range(min = 0.0, max = 0.99)))]
-    pub ratios: Option<Vec<f64>>,
-    /// Damping as a sum of parts of its mass and stiffness
-    pub rayleigh: Option<RawRayleigh>,
 }
 
 /// `C = mass M + stiffness K`.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
 pub struct RawRayleigh {
     /// Factor of the mass
     #[schemars(range(min = 0.0), extend("unit" = "1/s", "default" = 0.0))]
@@ -68,32 +60,9 @@ fn word_or_vector(_: &mut SchemaGenerator) -> Schema {
     })
 }
 
-/// A dashpot between a place of the structure and the ground.
+/// A place of the structure, and a direction there.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct RawDashpot {
-    /// Position along the axis of a rod or beam, at a node or between two
-    #[schemars(extend("unit" = "m", "minimum" = 0.0))]
-    pub at_m: Option<f64>,
-    /// Number of the structure of several to which `at_m` belongs, from 1 in the order of the file
-    #[schemars(range(min = 1, max = MAX_BODIES))]
-    pub structure: Option<u32>,
-    /// Node of a structure from files, in place of `at_m`
-    pub node: Option<u64>,
-    /// Direction of the motion that it damps; default along a rod, across a beam. Of a structure from files three
-    /// numbers
-    #[serde(default)]
-    #[schemars(schema_with = "word_or_vector")]
-    pub direction: Option<RawDirection>,
-    /// Its constant
-    #[schemars(required, range(min = 0.0), extend("unit" = "N s/m"))]
-    pub damping_n_s_m: Option<f64>,
-}
-
-/// A periodic force.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct RawForce {
+pub struct RawPlace {
     /// Position along the axis of a rod or beam, at a node or between two
     #[schemars(extend("unit" = "m", "minimum" = 0.0))]
     pub at_m: Option<f64>,
@@ -106,6 +75,25 @@ pub struct RawForce {
     #[serde(default)]
     #[schemars(schema_with = "word_or_vector")]
     pub direction: Option<RawDirection>,
+}
+
+/// A dashpot between a place of the structure and the ground.
+#[derive(Debug, Deserialize, JsonSchema)]
+pub struct RawDashpot {
+    /// Where it is, and the direction of the motion that it damps
+    #[serde(flatten)]
+    pub place: RawPlace,
+    /// Its constant
+    #[schemars(range(min = 0.0), extend("unit" = "N s/m"))]
+    pub damping_n_s_m: f64,
+}
+
+/// A periodic force.
+#[derive(Debug, Deserialize, JsonSchema)]
+pub struct RawForce {
+    /// Where and in which direction it acts
+    #[serde(flatten)]
+    pub place: RawPlace,
     /// Amplitude of its cosine. `levels_n` of a response stand for that of the first force; others keep their ratio to
     /// it
     #[schemars(extend("unit" = "N", "default" = 1.0))]
@@ -120,7 +108,6 @@ pub struct RawForce {
 
 /// A base that shakes, in place of forces.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
 pub struct RawBaseMotion {
     /// Direction; default along a rod, across a beam. Of a structure from files three numbers
     #[serde(default)]
@@ -150,12 +137,10 @@ fn one_or_two_frequencies(_: &mut SchemaGenerator) -> Schema {
 }
 
 /// A curve of damped or forced motions; several stand under headings `[[response]]`.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Deserialize, JsonSchema)]
 pub struct RawResponse {
     /// What is followed
-    #[schemars(required)]
-    pub kind: Option<ResponseKind>,
+    pub kind: ResponseKind,
     /// Window [lowest, highest] of the frequency of the load, or of a mode; with kind = "force" the one frequency
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(schema_with = "one_or_two_frequencies")]

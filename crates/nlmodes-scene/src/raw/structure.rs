@@ -1,29 +1,25 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::{RawMassPoint, RawOwnDamping, RawSegment, RawSpring};
-use crate::scene::{MassMatrix, StructureKind, Support};
+use super::{RawModeDamping, RawSegment, RawSpring};
+use crate::scene::{ImposedModes, MassMatrix, MassPoint, StructureKind, Support};
 
 /// Most elements that a scene may ask for.
 pub const MAX_ELEMENTS: u32 = 1_000_000;
 /// Most that elements beside stops are refined.
 const MAX_REFINEMENT: f64 = 65536.0;
-/// Most modes with imposed frequencies.
-const MAX_MODES: u32 = 1000;
 
 /// Geometry, mesh and supports.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Deserialize, JsonSchema)]
 pub struct RawStructure {
     /// Which motions the structure has
-    #[schemars(required)]
-    pub kind: Option<StructureKind>,
+    pub kind: StructureKind,
     /// Length along the axis
-    #[schemars(required, extend("unit" = "m", "exclusiveMinimum" = 0.0))]
-    pub length_m: Option<f64>,
+    #[schemars(extend("unit" = "m", "exclusiveMinimum" = 0.0))]
+    pub length_m: f64,
     /// Number of elements
-    #[schemars(required, range(min = 1, max = MAX_ELEMENTS))]
-    pub elements: Option<u32>,
+    #[schemars(range(min = 1, max = MAX_ELEMENTS))]
+    pub elements: u32,
     /// Length of the first element over that of the last, in geometric progression
     #[schemars(range(min = 1e-6, max = 1e6), extend("default" = 1.0))]
     pub grading: Option<f64>,
@@ -31,17 +27,14 @@ pub struct RawStructure {
     #[schemars(extend("default" = "consistent"))]
     pub mass_matrix: Option<MassMatrix>,
     /// Support at the start, at position 0
-    #[schemars(required)]
-    pub start: Option<Support>,
+    pub start: Support,
     /// Support at the end, at position `length_m`
     #[schemars(extend("default" = "free"))]
     pub end: Option<Support>,
     /// What the structure is made of
-    #[schemars(required)]
-    pub material: Option<RawMaterial>,
+    pub material: RawMaterial,
     /// Cross section of the structure
-    #[schemars(required)]
-    pub section: Option<RawSection>,
+    pub section: RawSection,
     /// Mass per length beside that of the section, as of what fills a tube or hangs on it; without rotary inertia
     #[schemars(extend("unit" = "kg/m", "minimum" = 0.0, "default" = 0.0))]
     pub added_mass_kg_m: Option<f64>,
@@ -53,38 +46,24 @@ pub struct RawStructure {
     /// beyond the last one those of the structure go on
     pub segment: Option<Vec<RawSegment>>,
     /// Point masses at nodes, any number, each under its own heading `[[structure.mass_point]]`
-    pub mass_point: Option<Vec<RawMassPoint>>,
+    pub mass_point: Option<Vec<MassPoint>>,
     /// Springs between nodes and the ground, any number, each under its own heading `[[structure.spring]]`
     pub spring: Option<Vec<RawSpring>>,
     /// Frequencies imposed on the lowest modes, as measured ones; the model is then a modal one
-    pub modes: Option<RawModes>,
+    pub modes: Option<ImposedModes>,
     /// Damping of this structure of several, in place of that of `[damping]`
-    pub damping: Option<RawOwnDamping>,
-}
-
-/// Frequencies imposed on the lowest bending modes of a beam or axial modes of a rod. Mass, shapes and all other modes
-/// stay.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct RawModes {
-    /// The frequencies, ascending from the lowest mode, with contacts open and the contact mass as `method` has it
-    #[schemars(required, inner(range(min = 1e-9)), length(min = 1, max = MAX_MODES), extend("unit" = "Hz"))]
-    pub frequencies_hz: Option<Vec<f64>>,
-    /// Damping ratios of these modes, for a virtual test; nonlinear modes are conservative
-    #[schemars(inner(range(min = 0.0, max = 0.999)), length(min = 1, max = MAX_MODES))]
-    pub damping_ratios: Option<Vec<f64>>,
+    pub damping: Option<RawModeDamping>,
 }
 
 /// A linear elastic material.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Deserialize, JsonSchema)]
 pub struct RawMaterial {
     /// Young's modulus
-    #[schemars(required, extend("unit" = "Pa", "exclusiveMinimum" = 0.0))]
-    pub youngs_modulus_pa: Option<f64>,
+    #[schemars(extend("unit" = "Pa", "exclusiveMinimum" = 0.0))]
+    pub youngs_modulus_pa: f64,
     /// Mass per volume
-    #[schemars(required, extend("unit" = "kg/m³", "exclusiveMinimum" = 0.0))]
-    pub density_kg_m3: Option<f64>,
+    #[schemars(extend("unit" = "kg/m³", "exclusiveMinimum" = 0.0))]
+    pub density_kg_m3: f64,
     /// Poisson's ratio, for the shear modulus of a beam
     #[schemars(extend("default" = 0.3, "minimum" = 0.0, "exclusiveMaximum" = 0.5))]
     pub poissons_ratio: Option<f64>,
@@ -93,7 +72,6 @@ pub struct RawMaterial {
 /// Cross section: width and height of a rectangle, outer diameter and wall of a tube, or the area (and, of a beam, the
 /// second moment of area).
 #[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
 pub struct RawSection {
     /// Area, instead of width and height
     #[schemars(extend("unit" = "m²", "exclusiveMinimum" = 0.0))]

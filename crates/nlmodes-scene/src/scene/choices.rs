@@ -71,8 +71,10 @@ choices! {
         Appropriation = "appropriation",
     }
     /// Where stops stand while the base shakes.
+    #[derive(Default)]
     StopOfBase {
         /// They move with the base
+        #[default]
         Moves = "moves",
         /// They stand fixed in space
         Fixed = "fixed",
@@ -90,15 +92,19 @@ choices! {
         Matrices = "matrices",
     }
     /// How a structure is reduced.
+    #[derive(Default)]
     ReductionKind {
         /// Modes with open contacts, and the static flexibility of all others
+        #[default]
         OpenModes = "open-modes",
         /// Modes with held contacts, the mass of their nodes left out or moved
         HeldModes = "held-modes",
     }
     /// Mass matrix of the elements.
+    #[derive(Default)]
     MassMatrix {
         /// From the shape functions of the stiffness
+        #[default]
         Consistent = "consistent",
         /// Half of an element's mass at each of its nodes
         Lumped = "lumped",
@@ -131,15 +137,19 @@ choices! {
         Rotation = "rotation",
     }
     /// Side on which a stop stands.
+    #[derive(Default)]
     Side {
         /// Touched by a positive displacement
+        #[default]
         Positive = "positive",
         /// Touched by a negative displacement
         Negative = "negative",
     }
     /// Method for the periodic motion.
+    #[derive(Default)]
     MethodKind {
         /// Mixed shooting-harmonic balance with massless contact nodes and rigid stops
+        #[default]
         MsHbm = "ms-hbm",
         /// Harmonic balance with elastic stops of `contact_stiffness_n_m`
         Hbm = "hbm",
@@ -158,8 +168,10 @@ choices! {
         PhaseResonance = "phase-resonance",
     }
     /// For which points Floquet multipliers are computed.
+    #[derive(Default)]
     StabilityChoice {
         /// For all points of shooting, and for those in harmonics of structures of up to 16 modes
+        #[default]
         Auto = "auto",
         /// For all points
         Always = "always",
@@ -167,15 +179,19 @@ choices! {
         Never = "never",
     }
     /// How the instants of touching and leaving are found.
+    #[derive(Default)]
     Switching {
         /// As roots, with Fourier integrals in closed form
+        #[default]
         Exact = "exact",
         /// On an equidistant grid of `samples` a period
         Sampled = "sampled",
     }
     /// What happens to the mass of the contact degrees of freedom.
+    #[derive(Default)]
     MassRule {
         /// It is left out
+        #[default]
         Drop = "drop",
         /// It goes to the neighbours; total mass and centre of mass stay
         Move = "move",
@@ -194,8 +210,10 @@ choices! {
         Length = "length_m",
     }
     /// Solver of the contact problem at an instant.
+    #[derive(Default)]
     ContactSolver {
         /// Active set
+        #[default]
         ActiveSet = "active-set",
         /// Proximal point iteration
         Proximal = "proximal",
@@ -205,15 +223,19 @@ choices! {
         Lemke = "lemke",
     }
     /// Time symmetry that a motion is assumed to have.
+    #[derive(Default)]
     Symmetry {
         /// Even in time: cosine series only
+        #[default]
         Even = "even",
         /// None: full Fourier series with a phase anchor
         None = "none",
     }
     /// Which arm is followed at a branch point.
+    #[derive(Default)]
     AtBranchPoint {
         /// The branch's own, through the point
+        #[default]
         Stay = "stay",
         /// Another, along which the energy grows most
         Switch = "switch",
@@ -221,44 +243,56 @@ choices! {
         All = "all",
     }
     /// What is done where an internal resonance leads the branch away.
+    #[derive(Default)]
     InternalResonance {
         /// The tongue is followed
+        #[default]
         Follow = "follow",
         /// The tongue is left at its foot, the backbone resumed at its other side
         Skip = "skip",
     }
     /// Which way a branch leaves its start.
+    #[derive(Default)]
     FrequencyDirection {
         /// Toward higher frequencies, or energies
+        #[default]
         Up = "up",
         /// Toward lower frequencies, or energies
         Down = "down",
         /// One after the other
         Both = "both",
     }    /// What turns the drive of a virtual test into a force.
+    #[derive(Default)]
     ExciterKind {
         /// An electrodynamic shaker, driven by voltage
+        #[default]
         Shaker = "shaker",
         /// A force as it is wanted
         Force = "force",
     }
     /// How the loop measures the lag.
+    #[derive(Default)]
     LoopDetector {
         /// Least mean squares on the leading harmonics
+        #[default]
         Adaptive = "adaptive",
         /// Synchronous demodulation with a low-pass
         Demodulation = "demodulation",
     }
     /// Order of the levels of a test.
+    #[derive(Default)]
     LevelOrder {
         /// As they stand
+        #[default]
         Once = "once",
         /// As they stand, and back from the last but one
         ThereAndBack = "there-and-back",
     }
     /// Format of a record's file.
+    #[derive(Default)]
     RecordFormat {
         /// Text with named columns
+        #[default]
         Csv = "csv",
         /// Universal File Format, dataset 58
         Uff = "uff",

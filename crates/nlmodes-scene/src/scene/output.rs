@@ -1,23 +1,56 @@
 use std::path::PathBuf;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::StabilityChoice;
+
+/// Most points with histories.
+const MAX_HISTORIES: u32 = 10_000;
+
+/// Which results are written, and where.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize, JsonSchema)]
+pub struct Output {
+    /// Directory of the result files, from where the program is started; default: results/<name of the file>
+    #[serde(default)]
+    #[schemars(length(min = 1))]
+    pub directory: Option<PathBuf>,
+    /// For which points Floquet multipliers are computed
+    #[serde(default)]
+    pub stability: StabilityChoice,
+    /// Which files.
+    #[serde(flatten)]
+    pub files: OutputFiles,
+}
+
+/// Where results go.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize, JsonSchema)]
+pub struct Directory {
+    /// Directory of the result files, from where the program is started; default: results/<name of the file>
+    #[serde(default)]
+    #[schemars(length(min = 1))]
+    pub directory: Option<PathBuf>,
+}
+
 /// Which files of results are written beside the tables; nothing is computed for those that are not.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct OutputFiles {
-    /// Figures.
+    /// Whether figures are drawn
     pub figures: bool,
-    /// The page.
+    /// Whether the page `report.html` is written
     pub page: bool,
-    /// The results for MATLAB.
+    /// Whether the results are written for MATLAB and Octave too, as `results.mat`
     pub matlab: bool,
-    /// Numbers of points whose motion over a period is written, ascending, beside those that are shown.
+    /// Numbers of points whose motion over a period goes to `histories.npz`, beside those that figures and page show
+    #[schemars(length(max = MAX_HISTORIES))]
     pub histories: Vec<usize>,
-    /// Width of the figures in print, mm; without it they are made for screens.
+    /// Width of the figures in print, mm, with letters of 8 points: 90 for one column, 190 for two; left out: 720
+    /// pixels, for screens
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 60.0, max = 400.0))]
     pub figure_width_mm: Option<f64>,
-    /// Whether figures have titles.
+    /// Whether figures have titles
     pub figure_titles: bool,
 }
 
@@ -41,11 +74,15 @@ impl OutputFiles {
     }
 }
 
-/// Results that are laid over those of the scene.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+/// Results that are laid over those of the scene: of another run, or of a test.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Overlay {
-    /// A folder of results, or a table.
+    /// A folder of results, or a table with the columns frequency_hz and modal_amplitude or energy_j; from where the
+    /// scene is
+    #[schemars(length(min = 1))]
     pub path: PathBuf,
-    /// Its name in legends.
+    /// Its name in legends; default: the name of the folder or table
+    #[serde(default)]
+    #[schemars(length(min = 1))]
     pub label: String,
 }

@@ -1,16 +1,31 @@
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Section, SpringDirection};
 
 /// A point mass at a node of a rod or beam.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MassPoint {
     /// Number of the node, 0 at the start.
+    #[serde(default)]
+    #[schemars(skip)]
     pub node: usize,
-    /// Mass, kg.
+    /// Position along the axis, measured from the start; must be a node of the mesh
+    #[serde(rename = "at_m")]
+    #[schemars(extend("unit" = "m", "minimum" = 0.0))]
+    pub at: f64,
+    /// Mass
+    #[serde(rename = "mass_kg")]
+    #[schemars(extend("unit" = "kg", "exclusiveMinimum" = 0.0))]
     pub mass: f64,
-    /// Moment of inertia about the bending axis, kg·m².
+    /// Moment of inertia about the bending axis of a beam
+    #[serde(rename = "inertia_kg_m2", default)]
+    #[schemars(extend("unit" = "kg·m²", "minimum" = 0.0))]
     pub inertia: f64,
+    /// Number of the structure of several to which it belongs; default: that under whose heading it stands
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1))]
+    pub structure: Option<usize>,
 }
 
 /// A spring between a node of a rod or beam and the ground.

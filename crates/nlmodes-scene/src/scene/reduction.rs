@@ -1,19 +1,25 @@
 use nlmodes_io::{ContactChoice, FeFiles};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{ReductionKind, Structure};
 
+/// Most modes that a scene may retain.
+const MAX_MODES: u32 = 10_000;
+
 /// How the structure is reduced.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Reduction {
-    /// By open or by held modes.
-    pub kind: ReductionKind,
-    /// Number of open modes that are retained; where neither this nor a frequency is given, the highest harmonic
-    /// decides.
+    /// Modes with open contacts and the static flexibility of all others, which moves no mass, or modes with held
+    /// contacts, whose nodes lose their mass; default: "open-modes" for matrices, "held-modes" for rods and beams
+    pub kind: Option<ReductionKind>,
+    /// Number of open modes that are retained; default: those up to four times the highest harmonic
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1, max = MAX_MODES))]
     pub modes: Option<usize>,
-    /// Frequency up to which open modes are retained, Hz.
+    /// Frequency up to which open modes are retained, instead of `modes`
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("unit" = "Hz", "exclusiveMinimum" = 0.0))]
     pub up_to_hz: Option<f64>,
 }
 

@@ -3,7 +3,10 @@ use std::path::PathBuf;
 use nlmodes::experiment::extraction::ExtractionSettings;
 use nlmodes::rig::{Exciter, Schedule};
 use nlmodes::virtual_test::BenchNoise;
-use serde::Serialize;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::raw::MAX_HARMONICS;
 
 use super::{BackboneMethod, LoopDetector, Overlay, RecordFormat, Side, Structure};
 
@@ -59,50 +62,99 @@ impl TestScene {
 }
 
 /// The stop of a virtual test.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct TestStop {
-    /// Position, m.
+    /// Position along the structure
+    #[serde(alias = "position_m")]
+    #[schemars(rename = "position_m", extend("unit" = "m", "minimum" = 0.0))]
     pub position: f64,
-    /// Clearance at rest, m.
+    /// Clearance at rest
+    #[serde(alias = "gap_m")]
+    #[schemars(rename = "gap_m", extend("unit" = "m"))]
     pub gap: f64,
-    /// Side on which it stands.
+    /// Side on which the stop stands
+    #[serde(default)]
     pub side: Side,
-    /// Contact stiffness, N/m; a rigid stop has none.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    /// Contact stiffness; left out, the stop is rigid, and the modes left out yield
+    #[serde(alias = "stiffness_n_m", default, skip_serializing_if = "Option::is_none")]
+    #[schemars(rename = "stiffness_n_m", extend("unit" = "N/m", "exclusiveMinimum" = 0.0))]
     pub stiffness: Option<f64>,
 }
 
+/// Most harmonics of the force that a loop follows.
+const MAX_CONTROLLED: u32 = nlmodes::experiment::phase_loop::MAX_HARMONICS as u32;
+
 /// The phase-locked loop.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
 pub struct TestLoop {
-    /// How the lag is measured.
+    /// How the lag is measured
     pub detector: LoopDetector,
-    /// Cut-off of the detector, Hz.
+    /// Cut-off of the detector; default: a tenth of the mode's frequency
+    #[schemars(extend("unit" = "Hz", "exclusiveMinimum" = 0.0))]
     pub cut_off_hz: Option<f64>,
-    /// Frequency at which the test begins, Hz.
+    /// Frequency at which the test begins; default: that of the mode, less 0.25 %
+    #[serde(alias = "start_frequency_hz")]
+    #[schemars(rename = "start_frequency_hz", extend("unit" = "Hz", "exclusiveMinimum" = 0.0))]
     pub start_hz: Option<f64>,
-    /// Lag of the displacement behind the force, degrees.
+    /// Lag of the displacement behind the force
+    #[schemars(range(min = 1.0, max = 179.0), extend("unit" = "degrees"))]
     pub lag_deg: f64,
-    /// Harmonics of the force under control, 1 to this one.
+    /// Harmonics of the force under control: 1 is the fundamental alone, others are brought to the force that
+    /// appropriation wants, from the motion at all sensors and the damping ratios
+    #[schemars(range(min = 1, max = MAX_CONTROLLED))]
     pub controlled_harmonics: usize,
 }
 
-/// Records that are kept as files.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+impl Default for TestLoop {
+    fn default() -> Self {
+        Self {
+            detector: LoopDetector::Adaptive,
+            cut_off_hz: None,
+            start_hz: None,
+            lag_deg: 90.0,
+            controlled_harmonics: 1,
+        }
+    }
+}
+
+/// Most levels whose records are kept.
+const MAX_LEVELS: u32 = 1000;
+
+/// Which records are kept.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct KeptRecords {
-    /// Format.
+    /// Format of the files
+    #[serde(default)]
     pub format: RecordFormat,
-    /// Numbers of the levels, 1 for the first; all where there are none.
+    /// Numbers of the levels in the order of the test, 1 for the first; default: all
+    #[serde(default)]
+    #[schemars(inner(range(min = 1)), length(min = 1, max = MAX_LEVELS))]
     pub levels: Option<Vec<usize>>,
 }
 
-/// The backbones that are computed beside the test.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// The computed backbones.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Backbone {
-    /// One for each of these methods.
+    /// Methods, a backbone for each: "hbm" with the modes and the stop of the rig, "ms-hbm" with the finite elements
+    /// before a rigid stop; with the rig's damping too its "damped-mode", and the "phase-resonance" that its loop holds
+    #[serde(default = "by_harmonic_balance")]
+    #[schemars(length(min = 1, max = 4))]
     pub methods: Vec<BackboneMethod>,
-    /// Number of harmonics.
+    /// Number of harmonics
+    #[serde(default = "twenty")]
+    #[schemars(range(min = 1, max = MAX_HARMONICS))]
     pub harmonics: usize,
-    /// Frequency at which it ends, Hz.
+    /// Frequency at which it ends
+    #[serde(alias = "end_frequency_hz")]
+    #[schemars(rename = "end_frequency_hz", extend("unit" = "Hz", "exclusiveMinimum" = 0.0))]
     pub end_hz: f64,
+}
+
+fn by_harmonic_balance() -> Vec<BackboneMethod> {
+    vec![BackboneMethod::Hbm]
+}
+
+fn twenty() -> usize {
+    20
 }

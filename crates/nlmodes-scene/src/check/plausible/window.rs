@@ -19,7 +19,7 @@ pub fn warn(scene: &Scene, structure: &Structure, diagnostics: &mut Diagnostics<
         return;
     };
     let number_of_mode = scene.method.mode;
-    match scene.continuation.start {
+    match scene.continuation.start() {
         Start::Frequency { hz: start, .. } => {
             let path = "continuation.start_frequency_hz";
             warn_of(

@@ -1,64 +1,55 @@
 //! Damping, forces, and a base that shakes.
 
-use super::place::{Places, WrittenPlace};
-use crate::raw::{RawAnalysis, RawDamping, RawDashpot, RawForce, RawOwnDamping, RawRayleigh};
+use super::place::Places;
+use crate::raw::{RawAnalysis, RawDamping, RawDashpot, RawForce, RawModeDamping};
 use crate::scene::{BaseMotion, Damping, Dashpot, Force, ModeDamping, StopOfBase};
 use crate::{Diagnostic, Diagnostics};
 
 pub fn damping(raw: &RawDamping, places: &Places<'_>, diagnostics: &mut Diagnostics<'_>) -> Option<Damping> {
     let dashpots = raw.dashpot.as_deref().unwrap_or_default();
-    let written = WrittenDamping { ratio: raw.ratio, ratios: raw.ratios.as_ref(), rayleigh: raw.rayleigh.as_ref() };
-    let modes = written.check("damping", !dashpots.is_empty(), diagnostics)?;
+    let modes = mode_damping(&raw.modes, "damping", !dashpots.is_empty(), diagnostics)?;
     let sound: Vec<Dashpot> =
         dashpots.iter().enumerate().filter_map(|(i, raw)| dashpot(i, raw, places, diagnostics)).collect();
     (sound.len() == dashpots.len()).then_some(Damping { modes, dashpots: sound })
 }
 
 /// Damping of one structure of several.
-pub fn own_damping(raw: &RawOwnDamping, diagnostics: &mut Diagnostics<'_>) -> Option<ModeDamping> {
-    let written = WrittenDamping { ratio: raw.ratio, ratios: raw.ratios.as_ref(), rayleigh: raw.rayleigh.as_ref() };
-    written.check("structure.damping", false, diagnostics)
+pub fn own_damping(raw: &RawModeDamping, diagnostics: &mut Diagnostics<'_>) -> Option<ModeDamping> {
+    mode_damping(raw, "structure.damping", false, diagnostics)
 }
 
-/// The ways to say how modes are damped.
-struct WrittenDamping<'a> {
-    ratio: Option<f64>,
-    ratios: Option<&'a Vec<f64>>,
-    rayleigh: Option<&'a RawRayleigh>,
-}
-
-impl WrittenDamping<'_> {
-    /// The one that the table at `path` uses; none is needed where there are dashpots.
-    fn check(&self, path: &str, has_dashpots: bool, diagnostics: &mut Diagnostics<'_>) -> Option<ModeDamping> {
-        let count = [self.ratio.is_some(), self.ratios.is_some(), self.rayleigh.is_some()];
-        let count = count.iter().filter(|given| **given).count();
-        if count > 1 {
-            let diagnostic = Diagnostic::error(format!("`{path}` says more than once how the modes are damped"));
-            diagnostics.put(path, diagnostic, "expected one of `ratio`, `ratios` and `rayleigh` in this table");
-            return None;
-        }
-        let is_misspelt = ["ratio", "ratios", "rayleigh"].iter().any(|key| diagnostics.has(&format!("{path}.{key}")));
-        if count == 0 && !has_dashpots && !is_misspelt {
-            let diagnostic = Diagnostic::error(format!("`{path}` does not say how the structure is damped"));
-            let dashpots = if path == "damping" { " or [[damping.dashpot]]" } else { "" };
-            diagnostics.put(path, diagnostic, format!("expected `ratio`, `ratios`, `rayleigh`{dashpots}"));
-            return None;
-        }
-        Some(match (self.ratios, self.rayleigh) {
-            (Some(ratios), _) => ModeDamping::Ratios(ratios.clone()),
-            (None, Some(r)) => {
-                ModeDamping::Rayleigh { mass: r.mass_1_s.unwrap_or(0.0), stiffness: r.stiffness_s.unwrap_or(0.0) }
-            }
-            (None, None) => ModeDamping::Ratios(vec![self.ratio.unwrap_or(0.0)]),
-        })
+/// How the table at `path` says that modes are damped; it need not where there are dashpots.
+fn mode_damping(
+    raw: &RawModeDamping,
+    path: &str,
+    has_dashpots: bool,
+    diagnostics: &mut Diagnostics<'_>,
+) -> Option<ModeDamping> {
+    let count = [raw.ratio.is_some(), raw.ratios.is_some(), raw.rayleigh.is_some()];
+    let count = count.iter().filter(|given| **given).count();
+    if count > 1 {
+        let diagnostic = Diagnostic::error(format!("`{path}` says more than once how the modes are damped"));
+        diagnostics.put(path, diagnostic, "expected one of `ratio`, `ratios` and `rayleigh` in this table");
+        return None;
     }
+    if count == 0 && !has_dashpots {
+        let diagnostic = Diagnostic::error(format!("`{path}` does not say how the structure is damped"));
+        let dashpots = if path == "damping" { " or [[damping.dashpot]]" } else { "" };
+        diagnostics.put(path, diagnostic, format!("expected `ratio`, `ratios`, `rayleigh`{dashpots}"));
+        return None;
+    }
+    Some(match (&raw.ratios, &raw.rayleigh) {
+        (Some(ratios), _) => ModeDamping::Ratios(ratios.clone()),
+        (None, Some(r)) => {
+            ModeDamping::Rayleigh { mass: r.mass_1_s.unwrap_or(0.0), stiffness: r.stiffness_s.unwrap_or(0.0) }
+        }
+        (None, None) => ModeDamping::Ratios(vec![raw.ratio.unwrap_or(0.0)]),
+    })
 }
 
 fn dashpot(i: usize, raw: &RawDashpot, places: &Places<'_>, diagnostics: &mut Diagnostics<'_>) -> Option<Dashpot> {
     let keys = ["at_m", "node", "direction", "structure"].map(|key| format!("damping.dashpot.{i}.{key}"));
-    let direction = raw.direction.as_ref();
-    let written = WrittenPlace { keys, at: raw.at_m, node: raw.node, direction, structure: raw.structure };
-    Some(Dashpot { place: places.place(&written, diagnostics)?, damping: raw.damping_n_s_m? })
+    Some(Dashpot { place: places.place(&raw.place, &keys, diagnostics)?, damping: raw.damping_n_s_m })
 }
 
 pub fn forces(raw: &RawAnalysis, places: &Places<'_>, diagnostics: &mut Diagnostics<'_>) -> Vec<Force> {
@@ -68,9 +59,7 @@ pub fn forces(raw: &RawAnalysis, places: &Places<'_>, diagnostics: &mut Diagnost
 
 fn force(i: usize, raw: &RawForce, places: &Places<'_>, diagnostics: &mut Diagnostics<'_>) -> Option<Force> {
     let keys = ["at_m", "node", "direction", "structure"].map(|key| format!("force.{i}.{key}"));
-    let direction = raw.direction.as_ref();
-    let written = WrittenPlace { keys, at: raw.at_m, node: raw.node, direction, structure: raw.structure };
-    let place = places.place(&written, diagnostics);
+    let place = places.place(&raw.place, &keys, diagnostics);
     let amplitude = raw.amplitude_n.unwrap_or(1.0);
     if amplitude == 0.0 {
         let path = format!("force.{i}.amplitude_n");

@@ -4,41 +4,26 @@ use nlmodes_fem::Mesh;
 
 use crate::check::contact::{Body, body, perhaps_millimetres};
 use crate::check::nodes::node_at;
-use crate::raw::{RawDirection, RawStructure};
+use crate::raw::{RawDirection, RawPlace, RawStructure};
 use crate::rule::number;
 use crate::scene::{BaseDirection, Direction, Place, StructureKind, Support, holds};
 use crate::{Diagnostic, Diagnostics};
 
 /// What the structure of a scene has as places.
 pub enum Places<'a> {
-    /// Positions along a rod or beam, as far as it is sound.
-    Along(Option<(&'a RawStructure, &'a Mesh)>),
+    /// Positions along a rod or beam.
+    Along(&'a Body<'a>),
     /// Nodes of files.
     Nodes,
     /// Positions along several rods and beams.
     Bodies(&'a [Body<'a>]),
 }
 
-/// The keys of a place, and what they say.
-pub struct WrittenPlace<'a> {
-    /// Paths of the position, the node, the direction and the structure.
-    pub keys: [String; 4],
-    pub at: Option<f64>,
-    pub node: Option<u64>,
-    pub direction: Option<&'a RawDirection>,
-    pub structure: Option<u32>,
-}
-
 impl<'a> Places<'a> {
-    /// Of a rod or beam with its mesh.
-    pub fn along(structure: Option<&'a RawStructure>, mesh: Option<&'a Mesh>) -> Self {
-        Self::Along(structure.zip(mesh))
-    }
-
     /// The rod or beam with its mesh.
-    pub fn straight(&self) -> Option<(&'a RawStructure, &'a Mesh)> {
+    pub fn straight(&self) -> Option<&'a Body<'a>> {
         match self {
-            Self::Along(found) => *found,
+            Self::Along(body) => Some(body),
             Self::Nodes | Self::Bodies(_) => None,
         }
     }
@@ -46,7 +31,7 @@ impl<'a> Places<'a> {
     /// Whether each of several structures has damping of its own.
     pub fn are_damped(&self) -> bool {
         let Self::Bodies(bodies) = self else { return false };
-        bodies.iter().all(|body| body.raw.is_some_and(|raw| raw.damping.is_some()))
+        bodies.iter().all(|body| body.raw.damping.is_some())
     }
 
     /// The direction in which a base shakes: several structures along their axes if one of them is a rod.
@@ -58,20 +43,19 @@ impl<'a> Places<'a> {
     ) -> Option<BaseDirection> {
         let kind = match self {
             Self::Nodes => return vector(path, written, diagnostics).map(BaseDirection::Vector),
-            Self::Along(found) => found.as_ref()?.0.kind?,
+            Self::Along(body) => body.raw.kind,
             Self::Bodies(bodies) => {
-                let kinds = bodies.iter().map(|body| body.raw?.kind).collect::<Option<Vec<_>>>()?;
-                let rod = kinds.iter().find(|kind| **kind == StructureKind::Rod);
-                *rod.or(kinds.first())?
+                let mut kinds = bodies.iter().map(|body| body.raw.kind);
+                if kinds.any(|kind| kind == StructureKind::Rod) { StructureKind::Rod } else { StructureKind::Beam }
             }
         };
         direction(kind, path, written, diagnostics).map(BaseDirection::Along)
     }
 
-    /// The place that the keys of position, node, direction and structure say.
-    pub fn place(&self, written: &WrittenPlace<'_>, diagnostics: &mut Diagnostics<'_>) -> Option<Place> {
-        let [at_key, node_key, direction_key, structure_key] = written.keys.each_ref().map(String::as_str);
-        let (index, (structure, mesh)) = match self {
+    /// The place that is written under the keys of position, node, direction and structure.
+    pub fn place(&self, written: &RawPlace, keys: &[String; 4], diagnostics: &mut Diagnostics<'_>) -> Option<Place> {
+        let [at_key, node_key, direction_key, structure_key] = keys.each_ref().map(String::as_str);
+        let (index, Body { raw: structure, mesh }) = match self {
             Self::Nodes => {
                 if written.structure.is_some() {
                     let diagnostic =
@@ -80,30 +64,26 @@ impl<'a> Places<'a> {
                     return None;
                 }
                 let keys = [at_key, node_key, direction_key];
-                return of_node(keys, written.at, written.node, written.direction, diagnostics);
+                return of_node(keys, written, diagnostics);
             }
-            Self::Along(found) => {
-                (body(structure_key, written.structure, 1, "", diagnostics)?, found.as_ref().copied()?)
-            }
+            Self::Along(alone) => (body(structure_key, written.structure, 1, "", diagnostics)?, *alone),
             Self::Bodies(bodies) => {
                 let which = "a scene of several structures says which one is meant";
                 let index = body(structure_key, written.structure, bodies.len(), which, diagnostics)?;
-                (index, bodies[index].raw.zip(bodies[index].mesh)?)
+                (index, &bodies[index])
             }
         };
-        let kind = structure.kind?;
+        let kind = structure.kind;
         if written.node.is_some() {
             let diagnostic = Diagnostic::error(format!("`{node_key}` names a node of a structure from files"));
             let short = at_key.rsplit('.').next().unwrap_or(at_key);
             diagnostics.put(node_key, diagnostic, format!("expected `{short}`, a position along the axis"));
             return None;
         }
-        let direction = direction(kind, direction_key, written.direction, diagnostics);
-        let Some(at) = written.at else {
-            if !diagnostics.has(at_key) {
-                let diagnostic = Diagnostic::error(format!("`{at_key}` is missing"));
-                diagnostics.put(at_key, diagnostic, "expected a position along the axis, in m");
-            }
+        let direction = direction(kind, direction_key, written.direction.as_ref(), diagnostics);
+        let Some(at) = written.at_m else {
+            let diagnostic = Diagnostic::error(format!("`{at_key}` is missing"));
+            diagnostics.put(at_key, diagnostic, "expected a position along the axis, in m");
             return None;
         };
         let direction = direction?;
@@ -154,11 +134,11 @@ fn moves(
     }
     let (end, support) = match node {
         Some(0) => ("start", structure.start),
-        Some(node) if node == mesh.elements() => ("end", Some(structure.end.unwrap_or(Support::Free))),
+        Some(node) if node == mesh.elements() => ("end", structure.end.unwrap_or(Support::Free)),
         _ => return true,
     };
-    let held = support.is_some_and(|support| holds(kind, support, direction));
-    if let Some(support) = support.filter(|_| held) {
+    let held = holds(kind, support, direction);
+    if held {
         let diagnostic = Diagnostic::error(format!("`{path}` is at the {} {end}, which does not move", support.name()));
         diagnostics.put(path, diagnostic, format!("expected a place that moves in {} direction", direction.name()));
     }
@@ -168,22 +148,20 @@ fn moves(
 /// A node of a structure from files with its direction.
 fn of_node(
     [at_key, node_key, direction_key]: [&str; 3],
-    at: Option<f64>,
-    node: Option<u64>,
-    direction: Option<&RawDirection>,
+    written: &RawPlace,
     diagnostics: &mut Diagnostics<'_>,
 ) -> Option<Place> {
-    if at.is_some() {
+    if written.at_m.is_some() {
         let diagnostic = Diagnostic::error(format!("`{at_key}` is a position along a rod or beam"));
         diagnostics.put(at_key, diagnostic, "expected the number of a node of the files");
         return None;
     }
-    if node.is_none() && !diagnostics.has(node_key) {
+    if written.node.is_none() {
         let diagnostic = Diagnostic::error(format!("`{node_key}` is missing"));
         diagnostics.put(node_key, diagnostic, "expected the number of a node of the files");
     }
-    let direction = vector(direction_key, direction, diagnostics)?;
-    Some(Place::Node { node: node?, direction })
+    let direction = vector(direction_key, written.direction.as_ref(), diagnostics)?;
+    Some(Place::Node { node: written.node?, direction })
 }
 
 /// Three numbers as a unit vector.
@@ -195,9 +173,7 @@ fn vector(path: &str, written: Option<&RawDirection>, diagnostics: &mut Diagnost
     {
         return Some([x / length, y / length, z / length]);
     }
-    if !diagnostics.has(path) {
-        let diagnostic = Diagnostic::error(format!("`{path}` must be a vector"));
-        diagnostics.put(path, diagnostic, "expected 3 numbers in square brackets, not all 0");
-    }
+    let diagnostic = Diagnostic::error(format!("`{path}` must be a vector"));
+    diagnostics.put(path, diagnostic, "expected 3 numbers in square brackets, not all 0");
     None
 }

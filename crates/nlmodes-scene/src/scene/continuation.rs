@@ -1,0 +1,81 @@
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{AtBranchPoint, FrequencyDirection, InternalResonance};
+
+/// How far the branch is followed: to a limit of energy, of frequency, or whichever comes first.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Continuation {
+    /// Averaged kinetic energy at which the branch ends, over that at grazing
+    #[schemars(extend("exclusiveMinimum" = 1.0))]
+    pub max_energy_ratio: Option<f64>,
+    /// Frequency window [lowest, highest]; the branch ends where it leaves it
+    #[schemars(extend("unit" = "Hz"), inner(range(min = 0.0)))]
+    pub frequency_hz: Option<[f64; 2]>,
+    /// Most points of the branch
+    #[serde(default = "max_points")]
+    #[schemars(range(min = 2, max = 1_000_000))]
+    pub max_points: usize,
+    /// Frequency on the backbone at which to start, instead of at grazing
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("unit" = "Hz", "exclusiveMinimum" = 0.0))]
+    pub start_frequency_hz: Option<f64>,
+    /// Averaged kinetic energy on the backbone at which to start, over that at grazing
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 1.0))]
+    pub start_energy_ratio: Option<f64>,
+    /// Which way the branch leaves `start_frequency_hz` or `start_energy_ratio`
+    #[serde(default)]
+    pub direction: FrequencyDirection,
+    /// Which arm is followed at a branch point
+    #[serde(default)]
+    pub at_branch_point: AtBranchPoint,
+    /// Most branches with `at_branch_point = "all"`
+    #[serde(default = "max_branches")]
+    #[schemars(range(min = 1, max = 1000))]
+    pub max_branches: usize,
+    /// What is done where an internal resonance leads the branch away from the backbone
+    #[serde(default)]
+    pub internal_resonance: InternalResonance,
+}
+
+/// Where a branch starts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Start {
+    /// At the linear mode that just touches the stop.
+    Grazing,
+    /// On the backbone at a frequency.
+    Frequency {
+        /// The frequency, Hz.
+        hz: f64,
+        /// Which way from there.
+        direction: FrequencyDirection,
+    },
+    /// On the backbone at an energy.
+    Energy {
+        /// Averaged kinetic energy over that at grazing.
+        ratio: f64,
+        /// Which way from there.
+        direction: FrequencyDirection,
+    },
+}
+
+impl Continuation {
+    /// Where the branch starts.
+    pub fn start(&self) -> Start {
+        let direction = self.direction;
+        match (self.start_frequency_hz, self.start_energy_ratio) {
+            (Some(hz), _) => Start::Frequency { hz, direction },
+            (None, Some(ratio)) => Start::Energy { ratio, direction },
+            (None, None) => Start::Grazing,
+        }
+    }
+}
+
+fn max_points() -> usize {
+    5000
+}
+
+fn max_branches() -> usize {
+    20
+}
