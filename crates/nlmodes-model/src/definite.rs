@@ -7,6 +7,9 @@ use crate::{Dof, ModelError};
 /// Entries below this fraction of the largest one of their kind may be rounding.
 const ROUNDING: f64 = 1e-9;
 
+/// Entries below this fraction of the largest masses are rounding wherever they are: some hundred times that of a sum.
+const LEAST: f64 = 1e-14;
+
 /// Rejects negative principal minors of one and two rows: `m_ii ≥ 0` and `m_ij² ≤ m_ii m_jj` hold wherever `½ vᵀ M v ≥
 /// 0` does.
 ///
@@ -15,12 +18,14 @@ const ROUNDING: f64 = 1e-9;
 pub fn check_mass(mass: &SparseMatrix, dofs: &[Dof]) -> Result<(), ModelError> {
     let mut diagonal = vec![0.0; dofs.len()];
     triplets(mass).filter(|(i, j, _)| i == j).for_each(|(i, _, value)| diagonal[i] += value);
+    // Masses and moments of inertia are not compared with each other.
+    let largest = |kind| {
+        let alike = dofs.iter().zip(&diagonal).filter(|(other, _)| other.kind == kind);
+        alike.fold(0.0_f64, |largest, (_, m)| largest.max(*m))
+    };
     for (dof, &value) in diagonal.iter().enumerate().filter(|(_, value)| value.is_sign_negative()) {
         let Dof { node, position, kind } = dofs[dof];
-        // Masses and moments of inertia are not compared with each other.
-        let alike = dofs.iter().zip(&diagonal).filter(|(other, _)| other.kind == kind);
-        let largest = alike.fold(0.0_f64, |largest, (_, m)| largest.max(*m));
-        if -value > ROUNDING * largest {
+        if -value > ROUNDING * largest(kind) {
             return Err(ModelError::NegativeMass { dof, node, position, kind, value });
         }
     }
@@ -28,7 +33,11 @@ pub fn check_mass(mass: &SparseMatrix, dofs: &[Dof]) -> Result<(), ModelError> {
         let [a, b] = [row, column].map(|i| diagonal[i].max(0.0));
         let most = a.sqrt() * b.sqrt();
         if value.abs() > (1.0 + ROUNDING) * most && value.abs() > ROUNDING * a.max(b) {
-            return Err(ModelError::CoupledMass { row, column, value, most });
+            // Between rows without mass, too, what is far below all masses is rounding.
+            let [a, b] = [row, column].map(|i| largest(dofs[i].kind));
+            if value.abs() > LEAST * a.sqrt() * b.sqrt() {
+                return Err(ModelError::CoupledMass { row, column, value, most });
+            }
         }
     }
     Ok(())
@@ -70,6 +79,19 @@ mod tests {
                 assert!(error.to_string() == expected.to_string(), "{error}");
             }
         }
+    }
+
+    /// CalculiX writes such entries for B31R: -3.3e-24 t between two rows without mass, beside 1e-7 t.
+    #[test]
+    fn rounding_between_rows_without_mass_is_no_mass() {
+        let dofs: Vec<Dof> =
+            (0..3).map(|node| Dof { node, position: node as f64, kind: DofKind::Deflection }).collect();
+        let check = |between: f64| {
+            let entries = [(0, 0, 1e-7), (1, 1, -3.3e-24), (1, 2, between), (2, 1, between)];
+            check_mass(&sparse_from_triplets(3, 3, &entries).unwrap(), &dofs)
+        };
+        check(-3.3e-24).unwrap();
+        assert!(matches!(check(1e-17), Err(ModelError::CoupledMass { row: 1, column: 2, .. })));
     }
 
     #[test]
