@@ -17,6 +17,7 @@ pub use skin::{Skin, SkinCell};
 
 use crate::Address;
 use crate::error::{Problem, ReadError, Result, shown};
+use crate::labels::DofLabel;
 use crate::nastran::Directions;
 
 /// An element of a mesh.
@@ -117,6 +118,12 @@ impl Mesh {
     pub fn node_set(&self, name: &str) -> Option<&[u64]> {
         let set = self.node_sets.get(name).or_else(|| self.node_sets.get(&name.to_uppercase()));
         set.map(Vec::as_slice)
+    }
+
+    /// Whether a deck holds a displacement.
+    pub(crate) fn holds(&self, label: DofLabel) -> bool {
+        let held = self.supports.as_ref().and_then(|supports| supports.get(&label.node));
+        label.component.translation().zip(held).is_some_and(|(axis, held)| held[axis])
     }
 
     /// Multiplies all places.

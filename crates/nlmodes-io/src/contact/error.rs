@@ -24,7 +24,8 @@ pub enum ContactProblem {
     #[error(
         "node {node} has no displacement in the matrices: it is fixed, dependent on other nodes (*EQUATION, *MPC, *TIE, \
          nodes of a *RIGID BODY or *COUPLING; the reference node of a rigid body or of a *KINEMATIC coupling has rows, \
-         that of a *DISTRIBUTING one has none), a node of rotations (ROT NODE), or not there"
+         that of a *DISTRIBUTING one has none), a node of rotations (ROT NODE), one \
+         of which CalculiX made several that are not all free, or not there"
     )]
     NoDisplacement {
         /// The node.

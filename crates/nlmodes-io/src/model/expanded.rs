@@ -53,13 +53,16 @@ pub(super) fn means(files: &FeFiles, table: &LabelTable, mesh: Option<&Mesh>) ->
     }
     let highest = table.labels.iter().map(|label| label.node).chain(mesh.numbers.iter().copied()).max();
     let next = highest.unwrap_or(0) + 1;
+    // Rows are in the order of CalculiX's own numbers: nodes of the deck come before those that come of them.
+    let ascending = table.labels.windows(2).position(|two| two[0] >= two[1]).map_or(table.labels.len(), |k| k + 1);
     let n = table.labels.len();
     let motion = (0..n).map(|row| vec![(row, 1.0)]).collect();
     let mut means = Means { labels: table.labels.clone(), motion, within: BTreeMap::new(), next };
     for row in 0..n {
         let label = table.labels[row];
         let Some(same) = rows.remove(&label) else { continue };
-        match role(expanded.get(&label.node).copied(), label.component, same.len()) {
+        let knot = row < ascending && !mesh.holds(label);
+        match role(expanded.get(&label.node).copied(), label.component, same.len(), knot) {
             Some(Role::Own) => {}
             Some(Role::Mean) => means.relate(&same, 1.0 / same.len() as f64),
             Some(Role::First) => means.relate(&same, 0.0),
@@ -70,9 +73,12 @@ pub(super) fn means(files: &FeFiles, table: &LabelTable, mesh: Option<&Mesh>) ->
     Ok((!means.within.is_empty()).then_some(means))
 }
 
-fn role(expanded: Option<Expanded>, component: Component, rows: usize) -> Option<Role> {
+/// `knot` says that the first row may be that of the node itself, on which those that come of it depend: where beams or
+/// shells meet at an angle or have an offset.
+fn role(expanded: Option<Expanded>, component: Component, rows: usize, knot: bool) -> Option<Role> {
     match (expanded, rows) {
         (None, 1) => Some(Role::Own),
+        (Some(Expanded::Copies(_)), 1) if knot => Some(Role::Own),
         (None, _) => None,
         (Some(Expanded::InPlane), 1) if component != Component::Z => Some(Role::Own),
         (Some(Expanded::Copies(copies)), _) if copies == rows => Some(Role::Mean),

@@ -6,8 +6,7 @@ use std::path::Path;
 use nlmodes_io::{Component, FeFiles, FeModel, NodeChoice};
 
 /// A shell of one element whose free nodes 3 and 4 are two nodes each, below and above; of node 2 one row is left.
-const DECK: &str =
-    "*NODE\n1\n2, 1\n3, 1, 1\n4, 0, 1\n*ELEMENT, TYPE=S4, ELSET=E\n1, 1, 2, 3, 4\n*NSET, NSET=TIP\n2, 3\n";
+const DECK: &str = "*BOUNDARY\n1, 1, 6\n2, 3\n*NODE\n1\n2, 1\n3, 1, 1\n4, 0, 1\n*ELEMENT, TYPE=S4, ELSET=E\n1, 1, 2, 3, 4\n*NSET, NSET=TIP\n2, 3\n";
 const LABELS: [&str; 5] = ["2.3", "3.3", "3.3", "4.3", "4.3"];
 
 /// Symmetric, positive definite, nothing else.
@@ -146,6 +145,19 @@ fn terms_that_cancel_leave_nothing() {
     let beside: Vec<f64> = (0..4).filter(|row| *row != mean).map(|row| model.mass.get(mean, row)).collect();
     assert_eq!(beside, [0.0; 3]);
     assert!((model.mass.get(mean, mean) - 0.4).abs() < 1e-15);
+}
+
+/// Where beams have an offset, those that come of a node depend on it: rows of the nodes themselves come first, one for
+/// each direction. What is left of a node that is held looks the same.
+#[test]
+fn a_knot_has_rows_of_its_own() {
+    let directory = tempfile::tempdir().unwrap();
+    let knots = ["2.1", "2.3", "3.1", "3.3", "56.1"];
+    let deck = DECK.replace("S4", "S4R");
+    let model = model(directory.path(), Some(&deck), &knots).unwrap();
+    let moves = |node, component| model.row_of(node, component);
+    assert_eq!((moves(2, Component::X), moves(3, Component::Z)), (Some(0), Some(3)));
+    assert_eq!(moves(2, Component::Z), None, "the deck holds it: that row is of one of the nodes that came of it");
 }
 
 /// Of a hinge the first row is its own, and the others are how the ends of elements move against it.
