@@ -61,8 +61,8 @@ impl FeModel {
     }
 
     /// Whether a displacement that has no row is held: by the files, by `fixed`, or by the deck. If it is not, it
-    /// depends on others (`*EQUATION`, `*RIGID BODY`, `*TIE`, `*COUPLING`); none where nothing is known of supports, or where no
-    /// node moves along that axis.
+    /// depends on others (`*EQUATION`, `*RIGID BODY`, `*TIE`, `*COUPLING`); none where nothing is known of supports, or
+    /// where no node moves along that axis.
     pub fn is_held(&self, node: u64, component: Component) -> Option<bool> {
         let in_plane = self.mesh.as_ref().is_some_and(|mesh| mesh.expanded.get(&node) == Some(&Expanded::InPlane));
         if self.fixed.contains(&DofLabel { node, component }) || (in_plane && component == Component::Z) {
@@ -170,9 +170,9 @@ impl FeModel {
         let nodes: Vec<u64> = set.iter().copied().filter(|node| present.contains(node)).collect();
         if nodes.is_empty() {
             let found = format!(
-                "the node set `{name}` of {} nodes, none of them with a row in the matrices: all are fixed, or dependent on other \
-                 nodes (*EQUATION, *MPC, *TIE, nodes of a *RIGID BODY or *COUPLING; the reference node of a rigid body or \
-                 of a *KINEMATIC coupling has rows, that of a *DISTRIBUTING one has none)",
+                "the node set `{name}` of {} nodes, none of them with a row in the matrices: all are fixed, or \
+                 dependent on other nodes (*EQUATION, *MPC, *TIE, nodes of a *RIGID BODY or *COUPLING; the reference \
+                 node of a rigid body or of a *KINEMATIC coupling has rows, that of a *DISTRIBUTING one has none)",
                 set.len()
             );
             let problem = Problem::Expected { expected: "a set with free nodes".into(), found };

@@ -22,8 +22,8 @@ pub enum ContactProblem {
     Read(#[from] ReadError),
     /// The node has no row.
     #[error(
-        "node {node} has no displacement in the matrices: it is fixed, dependent on other nodes (*EQUATION, *MPC, *TIE, \
-         nodes of a *RIGID BODY or *COUPLING; the reference node of a rigid body or of a *KINEMATIC coupling has rows, \
+        "node {node} has no displacement in the matrices: it is fixed, dependent on other nodes (*EQUATION, *MPC, \
+         *TIE, nodes of a *RIGID BODY or *COUPLING; the reference node of a rigid body or of a *KINEMATIC coupling has rows, \
          that of a *DISTRIBUTING one has none), a node of rotations (ROT NODE), one \
          of which CalculiX made several that are not all free, or not there"
     )]

@@ -121,8 +121,8 @@ fn refused(files: &FeFiles, table: &LabelTable, mesh: Option<&Mesh>) -> ReadErro
     };
     let why = match mesh {
         None => {
-            "CalculiX repeats the nodes of shells, beams, trusses, plane and axisymmetric elements, which it expands into solids: \
-             give the deck as `mesh`, which tells what they are"
+            "CalculiX repeats the nodes of shells, beams, trusses, plane and axisymmetric elements, which it expands \
+             into solids: give the deck as `mesh`, which tells what they are"
         }
         Some(_) => {
             "CalculiX repeats only nodes of shells, beams, trusses, plane and axisymmetric elements, and the deck has \

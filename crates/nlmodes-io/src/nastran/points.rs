@@ -373,7 +373,8 @@ mod tests {
     #[test]
     fn places_and_directions_of_curved_systems_are_along_the_basic_axes() {
         let found = located(
-            "CORD2R,1,,10.,0.,0.,10.,0.,1.,\n,11.,0.,0.\nCORD2C,2,1,0.,0.,0.,0.,1.,0.\n,0.,0.,1.\nGRID,5,2,2.,90.,3.,2\nGRID,6,,1.,2.,3.,1\n",
+            "CORD2R,1,,10.,0.,0.,10.,0.,1.,\n,11.,0.,0.\nCORD2C,2,1,0.,0.,0.,0.,1.,0.\n,0.,0.,1.\n\
+             GRID,5,2,2.,90.,3.,2\nGRID,6,,1.,2.,3.,1\n",
         );
         // The axis is y, the angle counts from z toward x.
         close(found.places[0].1, [12.0, 3.0, 0.0]);
@@ -388,7 +389,8 @@ mod tests {
     #[test]
     fn spheres_defaults_and_systems_by_grid_points_are_read() {
         let found = located(
-            "GRDSET,,7,,,,8\nGRID,1,0,0.,0.,0.,0\nGRID,2,0,0.,0.,1.,0\nGRID,3,0,1.,0.,0.,0\nCORD1S,7,1,2,3\nGRID,4,,2.,90.,90.\n",
+            "GRDSET,,7,,,,8\nGRID,1,0,0.,0.,0.,0\nGRID,2,0,0.,0.,1.,0\nGRID,3,0,1.,0.,0.,0\nCORD1S,7,1,2,3\n\
+             GRID,4,,2.,90.,90.\n",
         );
         close(found.places[3].1, [0.0, 2.0, 0.0]);
         assert_eq!(found.directions.get(&4), Some(&None), "system 8 is not there");

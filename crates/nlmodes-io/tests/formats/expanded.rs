@@ -6,7 +6,8 @@ use std::path::Path;
 use nlmodes_io::{Component, FeFiles, FeModel, NodeChoice};
 
 /// A shell of one element whose free nodes 3 and 4 are two nodes each, below and above; of node 2 one row is left.
-const DECK: &str = "*BOUNDARY\n1, 1, 6\n2, 3\n*NODE\n1\n2, 1\n3, 1, 1\n4, 0, 1\n*ELEMENT, TYPE=S4, ELSET=E\n1, 1, 2, 3, 4\n*NSET, NSET=TIP\n2, 3\n";
+const DECK: &str = "*BOUNDARY\n1, 1, 6\n2, 3\n*NODE\n1\n2, 1\n3, 1, 1\n4, 0, 1\n*ELEMENT, TYPE=S4, ELSET=E\n\
+1, 1, 2, 3, 4\n*NSET, NSET=TIP\n2, 3\n";
 const LABELS: [&str; 5] = ["2.3", "3.3", "3.3", "4.3", "4.3"];
 
 /// Symmetric, positive definite, nothing else.

@@ -31,9 +31,12 @@ fn free(name: &str, lower: &[Entry], long: bool) -> String {
 }
 
 const AROUND: &str = "$TITLE   = BEAM\nASSIGN OUTPUT2='x.op2'\nSOL 103\nCEND\nK2GG=KAAX\nBEGIN BULK\nPARAM,POST,-1\n\
-                      DTI,TUG1,0,1,2,3,4,5,6,+\n+,7,ENDREC\nPLOTEL  1       10      20\nQSET1   0       900     THRU    950\n\
-                      SPOINT  901     THRU    920\nGRID          10              0.      0.     0.5\nGRID*                 20                              1.              0.\n*                    0.5\n\
-                      MAT1*                  1     2.1000E+11                            0.3*\n*                   7850.\nRBE2    5       10      123456  20\n";
+                      DTI,TUG1,0,1,2,3,4,5,6,+\n+,7,ENDREC\nPLOTEL  1       10      20\n\
+                      QSET1   0       900     THRU    950\n\
+                      SPOINT  901     THRU    920\nGRID          10              0.      0.     0.5\n\
+                      GRID*                 20                              1.              0.\n*                    0.5\n\
+                      MAT1*                  1     2.1000E+11                            0.3*\n\
+                      *                   7850.\nRBE2    5       10      123456  20\n";
 
 #[test]
 fn any_card_may_stand_around_matrices_in_any_form() {
@@ -46,7 +49,8 @@ fn any_card_may_stand_around_matrices_in_any_form() {
         (free("KAAX", &stiffness(), false), 0.0),
         (writers::dmig("KAAX", &stiffness()).replace("\n*  ", "\n$ a remark\n*  "), 1e-9),
     ];
-    let results = "$TITLE   = MODES\n$EIGENVALUE\n         1       G      0.000000E+00      1.0E+00\n-CONT-                  0.0E+00\n";
+    let results = "$TITLE   = MODES\n$EIGENVALUE\n         1       G      0.000000E+00      1.0E+00\n\
+    -CONT-                  0.0E+00\n";
     for (matrix, tolerance) in forms {
         for text in [
             format!("{AROUND}{matrix}"),
@@ -139,8 +143,10 @@ fn decks_of_nastran_are_meshes() {
     let directory = tempfile::tempdir().unwrap();
     let nodes: String = (1..=21).map(|k| format!("GRID,{k},,{}.,{}.,{}.\n", k % 3, k / 3 % 3, k / 9)).collect();
     written(directory.path(), "nodes.bdf", &nodes);
-    let deck = "SOL 103\nCEND\nSPC = 1\nBEGIN BULK\nINCLUDE 'nodes.bdf'\nCHEXA   7       1       1       2       3       4       5       6       +A\n\
-                +A      7       8       9       10      11      12      13      14      +B\n+B      15      16      17      18      19      20\n\
+    let deck = "SOL 103\nCEND\nSPC = 1\nBEGIN BULK\nINCLUDE 'nodes.bdf'\n\
+    CHEXA   7       1       1       2       3       4       5       6       +A\n\
+                +A      7       8       9       10      11      12      13      14      +B\n\
+                +B      15      16      17      18      19      20\n\
                 CTETRA,8,1,1,2,4,5\nCQUAD4,9,1,1,2,5,4,0.0\nCBAR,10,1,1,2,0.,0.,1.\nCONM2,11,3,,2.5\nPSOLID,1,1\n\
                 SET1,4,1,THRU,3,9\nSPC1,1,123456,1,THRU,3\nSPC,1,5,2,,6,13\nENDDATA\nnot read\n";
     let mesh = Mesh::read(&written(directory.path(), "x.bdf", deck)).unwrap();

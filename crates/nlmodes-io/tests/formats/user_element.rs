@@ -70,7 +70,8 @@ fn both_triangles_of_a_substructure_are_read_from_one_file_or_from_two() {
 fn directions_may_change_along_the_nodes() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("sub.mtx");
-    let text = "*USER ELEMENT, NODES=3, LINEAR\n** ELEMENT NODES\n** 7, 5, 9\n1\n2, 2, 6\n3, 3\n*MATRIX, TYPE=STIFFNESS\n\
+    let text = "*USER ELEMENT, NODES=3, LINEAR\n** ELEMENT NODES\n** 7, 5, 9\n1\n2, 2, 6\n3, 3\n\
+    *MATRIX, TYPE=STIFFNESS\n\
                 2.0\n-1.0, 3.0\n0.0, 0.0, 4.0\n0.0, 0.0, 0.0,\n5.0\n";
     fs::write(&path, text).unwrap();
     let found = read(&path, None, None).unwrap();
