@@ -58,19 +58,34 @@ const MATRIX_MARKET: &str =
 const GENERAL: &str = "%%MatrixMarket matrix coordinate integer general\n2 2 4\n1 1 2\n2 1 -1\n1 2 -1\n2 2 2\n";
 const ARRAY: &str = "%%MatrixMarket matrix array real symmetric\n2 2\n2\n-1\n2\n";
 const ABAQUS: &str = "** x\n1,1, 1,1, 2.0\n1,2, 1,1, -1.0\n1,2, 1,2, 2.0\n2,1, 2,1, 1.0e36\n";
-const USER_ELEMENT: &str = "** x\n*USER ELEMENT, NODES=2, LINEAR\n** ELEMENT NODES\n** 4, 7\n1, 6\n2, 1\n*MATRIX,TYPE=STIFFNESS\n2.0\n0.0, 3.0\n-1.0, 0.0, 2.0\n*MATRIX,TYPE=MASS\n1.0\n0.0, 1.0\n0.0, 0.0, 1.0\n";
-const BULK: &str = "SOL 103\nBEGIN BULK\nCORD2C,3,,1.,0.,0.,1.,0.,1.\n,2.,0.,0.\nGRID,1,3,2.,60.,0.5,3\nGRID           2              1.      0.      0.\nGRID*                  3                              0.              1.\n*                     0.\nGRID,4,,0.,0.,1.\nCTETRA,1,1,1,2,3,4\nSET1,5,1,THRU,3\nENDDATA\n";
-const HARWELL_BOEING: &str = "t                                                                       key     \n             3             1             1             1             0\nRSA                        2             2             3             0\n(8I10)          (8I10)          (3D25.17)           \n         1         3         4\n         1         2         2\n   2.00000000000000000D+00  -1.00000000000000000D+00   2.00000000000000000D+00\n";
-const DMIG: &str = "$ x\nDMIG    KAAX           0       6       2       0                       2\nDMIG*   KAAX                           1               1\n*                      1               1 2.000000000D+00\n*                      1               2-1.000000000D+00\nDMIG*   KAAX                           1               2\n*                      1               2 2.000000000D+00\n";
+const USER_ELEMENT: &str = "** x\n*USER ELEMENT, NODES=2, LINEAR\n** ELEMENT NODES\n** 4, 7\n1, 6\n2, \
+    1\n*MATRIX,TYPE=STIFFNESS\n2.0\n0.0, 3.0\n-1.0, 0.0, 2.0\n*MATRIX,TYPE=MASS\n1.0\n0.0, 1.0\n0.0, 0.0, 1.0\n";
+const BULK: &str = "SOL 103\nBEGIN \
+    BULK\nCORD2C,3,,1.,0.,0.,1.,0.,1.\n,2.,0.,0.\nGRID,1,3,2.,60.,0.5,3\nGRID           2              1.      \
+    0.      0.\nGRID*                  3                              0.              1.\n*                     \
+    0.\nGRID,4,,0.,0.,1.\nCTETRA,1,1,1,2,3,4\nSET1,5,1,THRU,3\nENDDATA\n";
+const HARWELL_BOEING: &str = "t                                                                       \
+    key     \n             3             1             1             1             0\nRSA                        \
+    2             2             3             0\n(8I10)          (8I10)          (3D25.17)           \n         \
+    1         3         4\n         1         2         2\n   2.00000000000000000D+00  -1.00000000000000000D+00   \
+    2.00000000000000000D+00\n";
+const DMIG: &str = "$ x\nDMIG    KAAX           0       6       2       0                       2\nDMIG*   \
+    KAAX                           1               1\n*                      1               1 \
+    2.000000000D+00\n*                      1               2-1.000000000D+00\nDMIG*   KAAX                           \
+    1               2\n*                      1               2 2.000000000D+00\n";
 const LABELS: [&str; 3] = [
     "1.1\n1.2\n10.3\n",
     "Matrix Eqn Node DOF\n1 4 UX\n2 4 ROTZ\n",
     "row,node,component,x,y,z\n0,1,ux,0,0,0\n1,1,2,0,0,0\n",
 ];
-const DECK: &str = "*NODE, NSET=ALL\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT, TYPE=C3D4, ELSET=E\n1,1,2,3,4\n*NSET,NSET=A,GENERATE\n1,3,2\n*SURFACE,NAME=S\nE,S2\n*BOUNDARY\n1,1,3\n";
+const DECK: &str = "*NODE, NSET=ALL\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT, TYPE=C3D4, \
+    ELSET=E\n1,1,2,3,4\n*NSET,NSET=A,GENERATE\n1,3,2\n*SURFACE,NAME=S\nE,S2\n*BOUNDARY\n1,1,3\n";
 const GMSH: [&str; 2] = [
-    "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n3 1 \"B\"\n$EndPhysicalNames\n$Entities\n0 0 0 1\n1 0 0 0 1 1 1 1 1 0\n$EndEntities\n$Nodes\n1 4 1 4\n3 1 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n$EndNodes\n$Elements\n1 1 1 1\n3 1 4 1\n1 1 2 3 4\n$EndElements\n",
-    "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n$Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n",
+    "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n3 1 \"B\"\n$EndPhysicalNames\n$Entities\n0 0 0 1\n1 0 0 \
+     0 1 1 1 1 1 0\n$EndEntities\n$Nodes\n1 4 1 4\n3 1 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 \
+     1\n$EndNodes\n$Elements\n1 1 1 1\n3 1 4 1\n1 1 2 3 4\n$EndElements\n",
+    "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n$Elements\n1\n1 \
+     4 2 1 1 1 2 3 4\n$EndElements\n",
 ];
 
 /// Valid files of a target; none if there is no such target.

@@ -10,7 +10,8 @@ use nlmodes::branches::{BranchSettings, ComputedBranch, compute_branch};
 use nlmodes::model::MasslessContactModel;
 use nlmodes_benchmarks::Failure;
 
-pub const HEADER: &str = "| case | points | refused | frequency, Hz | energy over start | contact, % | end | residual | violation | CPU, s | judged by | difference |\n\
+pub const HEADER: &str = "| case | points | refused | frequency, Hz | energy over start | contact, % | end | residual \
+    | violation | CPU, s | judged by | difference |\n\
     | --- | ---: | ---: | --- | --- | --- | --- | ---: | ---: | ---: | --- | ---: |";
 
 /// Instants of a period at which complementarity is checked.
@@ -126,7 +127,8 @@ impl fmt::Display for Verdict {
         };
         write!(
             f,
-            "{} | {} | {} to {} | {:.3} to {:.3} | {:.1} to {:.1} | {mark}{}{mark} | {residual:.0e} | {:.0e} | {:.2} | {by} | {difference}",
+            "{} | {} | {} to {} | {:.3} to {:.3} | {:.1} to {:.1} | {mark}{}{mark} | {residual:.0e} | {:.0e} | {:.2} \
+             | {by} | {difference}",
             points.len(),
             self.computed.refused_steps,
             digits(hz.0),

@@ -118,8 +118,10 @@ impl Reference {
     pub fn describe(&self) -> String {
         let ratio = self.kinetic_energy / self.grazing.0;
         format!(
-            "f = {:.12} Hz ({:.6} times that at grazing), E_av = {ratio:.6} times that at grazing, {} stretches of contact a period, \
-             the first contact closed in {:.2} % of it; largest multiplier {}; residual of the shooting equations {:.1e}",
+            "f = {:.12} Hz ({:.6} times that at grazing), E_av = {ratio:.6} times that at grazing, {} stretches of \
+             contact a period, \
+             the first contact closed in {:.2} % of it; largest multiplier {}; residual of the shooting equations \
+             {:.1e}",
             self.omega / TAU,
             self.omega / self.grazing.1,
             self.intervals,

@@ -21,7 +21,8 @@ const ERRORS: [(&str, &str, ErrorOf); 3] = [
 /// Errors over harmonics with exact switching, then the least time for each digit by each method.
 pub fn print(case: &Case, all: &[Measurement]) {
     println!(
-        "\n| `N_h` | displacement | frequency | mean force | time | iterations |\n| ---: | ---: | ---: | ---: | ---: | ---: |"
+        "\n| `N_h` | displacement | frequency | mean force | time | iterations |\n| ---: | ---: | ---: | ---: | ---: \
+         | ---: |"
     );
     for m in all.iter().filter(|m| matches!(m.method, Method::Exact | Method::Shooting)) {
         let h = if m.method == Method::Shooting { "shooting".to_owned() } else { m.harmonics.to_string() };
@@ -86,7 +87,8 @@ fn milliseconds(seconds: f64) -> String {
 
 pub fn print_solvers(all: &[Measurement]) {
     println!(
-        "\n| contact solver | switching | `N_h` | displacement | time | iterations |\n| --- | --- | ---: | ---: | ---: | ---: |"
+        "\n| contact solver | switching | `N_h` | displacement | time | iterations |\n| --- | --- | ---: | ---: | \
+         ---: | ---: |"
     );
     for m in all {
         let mark = if m.is_found() { "" } else { " (not found)" };

@@ -28,12 +28,14 @@ pub fn print(case: &Case, reference: &Reference) -> Result<(), Failure> {
     let state = dynamics.state(&displacement, &vec![0.0; displacement.len()])?;
     let missing = Verification::new(&mut dynamics, &state, TAU / reference.omega)?;
     println!(
-        "\nThe whole structure, all modes, started from there, misses after a period {:.1e} in the energy norm, {:.1e} of the largest displacement, \
+        "\nThe whole structure, all modes, started from there, misses after a period {:.1e} in the energy norm, \
+         {:.1e} of the largest displacement, \
          {:.1e} of the largest velocity",
         missing.energy_norm, missing.displacement, missing.velocity
     );
     println!(
-        "\n| exact motion, modes | frequency at the same energy, relative change | stretches of contact |\n| ---: | ---: | ---: |"
+        "\n| exact motion, modes | frequency at the same energy, relative change | stretches of contact |\n| ---: | \
+         ---: | ---: |"
     );
     let all = whole.reduction.n_modes_of_the_whole();
     for modes in [2, 3, 4, 5, 6, 8, 10, 15, 20, all].into_iter().filter(|m| *m > whole.reduction.n_modes() && *m <= all)

@@ -27,7 +27,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "bifurcationkit-perturbed-pitchfork",
-        problem: "The first example of BifurcationKit's documentation, `p + x − x³/3 = 0`, from `(−2, −1)`.\nBoth folds.",
+        problem: "The first example of BifurcationKit's documentation, `p + x − x³/3 = 0`, from `(−2, −1)`.\nBoth \
+            folds.",
         kind: Kind::Exact,
         reference: "`p = ±⅔` at `x = ∓1`",
         remark: "",
@@ -35,7 +36,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "bifurcationkit-pitchfork",
-        problem: "BifurcationKit's pitchfork, `x (p − x²) = 0`, along `x = 0` from −0.3.\nThe branch point, its half-branches, and the number of branches of its tree.",
+        problem: "BifurcationKit's pitchfork, `x (p − x²) = 0`, along `x = 0` from −0.3.\nThe branch point, its \
+            half-branches, and the number of branches of its tree.",
         kind: Kind::Exact,
         reference: "`(0, 0)`, three half-branches other than the incoming one",
         remark: "",
@@ -43,7 +45,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "bifurcationkit-transcritical",
-        problem: "BifurcationKit's transcritical bifurcation, `x (p − x) = 0`, along `x = 0` from −0.2.\nThe branch point and its half-branches.",
+        problem: "BifurcationKit's transcritical bifurcation, `x (p − x) = 0`, along `x = 0` from −0.2.\nThe branch \
+            point and its half-branches.",
         kind: Kind::Exact,
         reference: "`(0, 0)`, three half-branches",
         remark: "",
@@ -51,7 +54,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "square-symmetry",
-        problem: "`x (p − x² − a(x² + y²)) = y (p − y² − a(x² + y²)) = 0` with `a = 0.4`: two directions become free at once.\nThe branch point and its half-branches.",
+        problem: "`x (p − x² − a(x² + y²)) = y (p − y² − a(x² + y²)) = 0` with `a = 0.4`: two directions become free \
+            at once.\nThe branch point and its half-branches.",
         kind: Kind::Exact,
         reference: "`(0, 0, 0)`; each unknown is zero or one of two: nine half-branches other than the incoming one",
         remark: "",
@@ -59,7 +63,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "auto-ab",
-        problem: "AUTO's demo `ab`: `−u₁ + p (1 − u₁) e^{u₂} = −u₂ + 14 p (1 − u₁) e^{u₂} − 2u₂ = 0`, from `p = 0`.\nBoth folds.",
+        problem: "AUTO's demo `ab`: `−u₁ + p (1 − u₁) e^{u₂} = −u₂ + 14 p (1 − u₁) e^{u₂} − 2u₂ = 0`, from `p = \
+            0`.\nBoth folds.",
         kind: Kind::Exact,
         reference: "`u₂ = 14u₁/3`; the folds are where `u₁(1 − u₁) = 3/14`. AUTO's manual: 0.105739 and 0.0889318",
         remark: "",
@@ -67,7 +72,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "auto-exp",
-        problem: "AUTO's demo `exp` (Bratu): `u″ + p eᵘ = 0`, `u(0) = u(1) = 0`, by central differences on 10 to 40 intervals.\nThe fold, and how it converges.",
+        problem: "AUTO's demo `exp` (Bratu): `u″ + p eᵘ = 0`, `u(0) = u(1) = 0`, by central differences on 10 to 40 \
+            intervals.\nThe fold, and how it converges.",
         kind: Kind::Exact,
         reference: "`p = 8 (θ/cosh θ)²` with `θ tanh θ = 1`, 3.513830719; differences err with the square of the step",
         remark: "",
@@ -75,17 +81,21 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "auto-pp2",
-        problem: "AUTO's demo `pp2`: `3u(1 − u) − uv − p(1 − e^{−5u}) = −v + 3uv = 0`, tree from `p = 0.3` along `u = v = 0`.\nBranch points of prey without and with predators, and the fold between them.",
+        problem: "AUTO's demo `pp2`: `3u(1 − u) − uv − p(1 − e^{−5u}) = −v + 3uv = 0`, tree from `p = 0.3` along `u = \
+            v = 0`.\nBranch points of prey without and with predators, and the fold between them.",
         kind: Kind::Exact,
-        reference: "`p = 0.6` at `u = 0`; `p = 2/3/(1 − e^{−5/3})` at `u = 1/3`; the largest `3u(1 − u)/(1 − e^{−5u})`, by bisection of its derivative",
+        reference: "`p = 0.6` at `u = 0`; `p = 2/3/(1 − e^{−5/3})` at `u = 1/3`; the largest `3u(1 − u)/(1 − \
+            e^{−5u})`, by bisection of its derivative",
         remark: "",
         compute: predator_prey,
     },
     Case {
         name: "two-cells",
-        problem: "Two cells with `R(s) = s/(1 + s + s²)`: `(p − s₁) + (s₂ − s₁) − 100 R(s₁) = 0` and the same with 1 and 2 exchanged, from `p = 0` (as AUTO's `enz`).\nFolds and branch points of the symmetric branch.",
+        problem: "Two cells with `R(s) = s/(1 + s + s²)`: `(p − s₁) + (s₂ − s₁) − 100 R(s₁) = 0` and the same with 1 \
+            and 2 exchanged, from `p = 0` (as AUTO's `enz`).\nFolds and branch points of the symmetric branch.",
         kind: Kind::Exact,
-        reference: "`p = s + 100 R(s)`; `1 + 100 R′ = 0` at the folds and `3 + 100 R′ = 0` at the branch points, by bisection",
+        reference: "`p = s + 100 R(s)`; `1 + 100 R′ = 0` at the folds and `3 + 100 R′ = 0` at the branch points, by \
+            bisection",
         remark: "",
         compute: two_cells,
     },
@@ -99,7 +109,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "shallow-truss",
-        problem: "Two bars that meet in a shallow gable of height 0.1 m, half span 2 m, `EA = 2·10⁸ N`: `P = EA w (w − h)(w − 2h)/L³`, in newtons and metres.\nBoth limit loads.",
+        problem: "Two bars that meet in a shallow gable of height 0.1 m, half span 2 m, `EA = 2·10⁸ N`: `P = EA w (w \
+            − h)(w − 2h)/L³`, in newtons and metres.\nBoth limit loads.",
         kind: Kind::Exact,
         reference: "`P = ±2EA h³/(3√3 L³)` at `w = h(1 ∓ 1/√3)`",
         remark: "",
@@ -107,15 +118,18 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "temperature-model",
-        problem: "The model of BifurcationKit's documentation: `T″ + p (1 + (T + T²/2)/(1 + βT²)) = 0`, `T = β = 0.01` at both ends, by differences on 20 and 40 intervals.\nThe first fold, and how it converges.",
+        problem: "The model of BifurcationKit's documentation: `T″ + p (1 + (T + T²/2)/(1 + βT²)) = 0`, `T = β = \
+            0.01` at both ends, by differences on 20 and 40 intervals.\nThe first fold, and how it converges.",
         kind: Kind::Independent,
-        reference: "quadrature: `p = 2 (∫ dT/√(G(T_m) − G(T)))²` over the largest temperature `T_m`, whose derivative vanishes",
+        reference: "quadrature: `p = 2 (∫ dT/√(G(T_m) − G(T)))²` over the largest temperature `T_m`, whose derivative \
+            vanishes",
         remark: "",
         compute: temperature,
     },
     Case {
         name: "buckling",
-        problem: "`y″ + p sin y = 0`, `y(0) = y(1) = 0`, by differences on 12 intervals, along `y = 0` to `p = 100`.\nAll branch points, and the half-branches of each other than the incoming one.",
+        problem: "`y″ + p sin y = 0`, `y(0) = y(1) = 0`, by differences on 12 intervals, along `y = 0` to `p = \
+            100`.\nAll branch points, and the half-branches of each other than the incoming one.",
         kind: Kind::Exact,
         reference: "`p = 4 · 144 sin²(kπ/24)`, three of them",
         remark: "",
@@ -123,7 +137,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "corner",
-        problem: "`p + |x| = 1`, from `x = 0.8`: the parameter turns at a kink of the branch.\nThe fold, and that the branch goes on behind it.",
+        problem: "`p + |x| = 1`, from `x = 0.8`: the parameter turns at a kink of the branch.\nThe fold, and that the \
+            branch goes on behind it.",
         kind: Kind::Exact,
         reference: "`p = 1`, `x = 0`; the branch reaches `x = −0.8` at `p = 0.2`",
         remark: "",
@@ -131,7 +146,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "grazing-corner",
-        problem: "`p = x − 2 (x − 1)₊^{3/2}·1.5`, the law of a contact that begins: its slope is continuous, its curvature is not bounded.\nThe fold behind the grazing point.",
+        problem: "`p = x − 2 (x − 1)₊^{3/2}·1.5`, the law of a contact that begins: its slope is continuous, its \
+            curvature is not bounded.\nThe fold behind the grazing point.",
         kind: Kind::Exact,
         reference: "`1 = 4.5 √(x − 1)`: `x = 1 + 4/81`, `p = x − 3 (x − 1)^{3/2}`",
         remark: "",

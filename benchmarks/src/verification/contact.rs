@@ -16,7 +16,8 @@ const ROUNDING: &str = "rounding, times the condition of the compliance";
 pub(super) const CASES: &[Case] = &[
     Case {
         name: "two-stops-by-hand",
-        problem: "`A = [2 1; 1 2] µm/N`, gaps without forces `(−1, −0.4) mm` and `(−1, 0.2) mm`: the second stop is relieved by the force on the first.\nForces and gaps, with every solver.",
+        problem: "`A = [2 1; 1 2] µm/N`, gaps without forces `(−1, −0.4) mm` and `(−1, 0.2) mm`: the second stop is \
+            relieved by the force on the first.\nForces and gaps, with every solver.",
         kind: Kind::Exact,
         reference: "two equations by hand: 500 N on the first stop, none on the second, whose gap is 0.1 and 0.7 mm",
         remark: "",
@@ -24,15 +25,18 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "tower-of-blocks",
-        problem: "Six blocks on each other, each ten times as heavy as the one below it (1 g to 100 kg), on the ground; `g = 9.81 m/s²`.\nForces that keep all relative accelerations from being negative.",
+        problem: "Six blocks on each other, each ten times as heavy as the one below it (1 g to 100 kg), on the \
+            ground; `g = 9.81 m/s²`.\nForces that keep all relative accelerations from being negative.",
         kind: Kind::Exact,
         reference: "each contact carries what lies above it",
-        remark: "twelve such blocks (to 10⁸ kg) are refused: rounding the forces moves the gaps by more than the solvers promise",
+        remark: "twelve such blocks (to 10⁸ kg) are refused: rounding the forces moves the gaps by more than the \
+            solvers promise",
         compute: || tower(6, 10.0),
     },
     Case {
         name: "tower-of-equal-blocks",
-        problem: "A tower of 200 equal blocks of 1 kg; the ground is lowered with 5 m/s², so that the tower rests on it with `g − 5 = 4.81 m/s²`.\nForces in all contacts.",
+        problem: "A tower of 200 equal blocks of 1 kg; the ground is lowered with 5 m/s², so that the tower rests on \
+            it with `g − 5 = 4.81 m/s²`.\nForces in all contacts.",
         kind: Kind::Exact,
         reference: "each contact carries the reduced weight of what lies above it",
         remark: "",
@@ -40,15 +44,18 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "string-on-a-floor",
-        problem: "String of length 1 m under 1 N, loaded by 1 N/m, over a floor 0.08 m below its ends; 99 nodes.\nLength that lies on the floor, force of the floor.",
+        problem: "String of length 1 m under 1 N, loaded by 1 N/m, over a floor 0.08 m below its ends; 99 \
+            nodes.\nLength that lies on the floor, force of the floor.",
         kind: Kind::Exact,
-        reference: "parabolas of length `√(2d)` meet the floor with a horizontal tangent, at 0.4 m, a node: differences of second order are exact for them",
+        reference: "parabolas of length `√(2d)` meet the floor with a horizontal tangent, at 0.4 m, a node: \
+            differences of second order are exact for them",
         remark: "",
         compute: string_on_a_floor,
     },
     Case {
         name: "hertz-sphere",
-        problem: "Sphere of radius 0.1 m pressed 10 µm into a half-space, `E* = 100 GPa`, on 12² to 36² square cells with constant pressure each\n(influence of a cell: Love 1929). Force, and largest pressure.",
+        problem: "Sphere of radius 0.1 m pressed 10 µm into a half-space, `E* = 100 GPa`, on 12² to 36² square cells \
+            with constant pressure each\n(influence of a cell: Love 1929). Force, and largest pressure.",
         kind: Kind::Exact,
         reference: "Hertz: `F = 4/3 E* √R δ^{3/2}`, `p₀ = 2E*/π √(δ/R)`; cells of constant pressure err with `h²`",
         remark: "",
@@ -56,7 +63,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "hertz-cylinder",
-        problem: "Cylinder of radius 0.1 m pressed with 10⁵ N/m onto a half-plane, `E* = 100 GPa`, 200 strips of constant pressure.\nHalf width of the contact and largest pressure; the approach is found from the force.",
+        problem: "Cylinder of radius 0.1 m pressed with 10⁵ N/m onto a half-plane, `E* = 100 GPa`, 200 strips of \
+            constant pressure.\nHalf width of the contact and largest pressure; the approach is found from the force.",
         kind: Kind::Exact,
         reference: "`a = √(4FR/πE*)`, `p₀ = 2F/πa`",
         remark: "",
@@ -64,23 +72,30 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "journal-bearing",
-        problem: "Infinitely long journal bearing, film `1 + ε cos θ`, `ε = 0.6`, oil that cannot pull: `p ≥ 0 ⊥ −(h³ p′)′ + h′ ≥ 0`, `p = 0` at `θ = 0`.\nAngle at which the film ruptures, and largest pressure (in units of `6ηΩ(R/c)²`), 100 to 400 nodes.",
+        problem: "Infinitely long journal bearing, film `1 + ε cos θ`, `ε = 0.6`, oil that cannot pull: `p ≥ 0 ⊥ −(h³ \
+            p′)′ + h′ ≥ 0`, `p = 0` at `θ = 0`.\nAngle at which the film ruptures, and largest pressure (in units of \
+            `6ηΩ(R/c)²`), 100 to 400 nodes.",
         kind: Kind::Exact,
-        reference: "Swift-Stieber: `∫₀^{θ_c} (h − h_c)/h³ dθ = 0`, by Simpson's rule and bisection; central differences err with the square of the step",
+        reference: "Swift-Stieber: `∫₀^{θ_c} (h − h_c)/h³ dθ = 0`, by Simpson's rule and bisection; central \
+            differences err with the square of the step",
         remark: "",
         compute: bearing,
     },
     Case {
         name: "propped-cantilever",
-        problem: "Thick cantilever of 2 m (0.05 m wide, 0.1 m high, `E = 200 GPa`, `ν = 0.3`, `κ = 5/6`) loaded by 10 kN at mid-span toward a stop at its tip, 1 mm away at rest.\nForce of the stop, from the reduction to two free-interface modes.",
+        problem: "Thick cantilever of 2 m (0.05 m wide, 0.1 m high, `E = 200 GPa`, `ν = 0.3`, `κ = 5/6`) loaded by 10 \
+            kN at mid-span toward a stop at its tip, 1 mm away at rest.\nForce of the stop, from the reduction to two \
+            free-interface modes.",
         kind: Kind::Exact,
-        reference: "Timoshenko's statics: tip deflection `F(5L³/48EI + L/2κGA)`, tip compliance `L³/3EI + L/κGA`; residual flexibility makes statics exact, whatever the number of modes",
+        reference: "Timoshenko's statics: tip deflection `F(5L³/48EI + L/2κGA)`, tip compliance `L³/3EI + L/κGA`; \
+            residual flexibility makes statics exact, whatever the number of modes",
         remark: "",
         compute: propped_cantilever,
     },
     Case {
         name: "exponential-example",
-        problem: "Fathi's problem of 16 contacts, `A = L Lᵀ` with ones on the diagonal of `L` and twos below, gaps of −1 without forces:\nleast-index pivoting needs 2¹⁶ − 1 steps. Forces.",
+        problem: "Fathi's problem of 16 contacts, `A = L Lᵀ` with ones on the diagonal of `L` and twos below, gaps of \
+            −1 without forces:\nleast-index pivoting needs 2¹⁶ − 1 steps. Forces.",
         kind: Kind::Exact,
         reference: "the first contact carries 1, all others are open with the gap 1",
         remark: "",
@@ -88,7 +103,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "redundant-stops",
-        problem: "Four stops at one node that yields 1 µm/N, pressed in by 2 mm: the forces are not unique, their sum is.\nSum of the forces; how many stops carry.",
+        problem: "Four stops at one node that yields 1 µm/N, pressed in by 2 mm: the forces are not unique, their sum \
+            is.\nSum of the forces; how many stops carry.",
         kind: Kind::Exact,
         reference: "2 kN; an independent subset, here one",
         remark: "",
@@ -96,7 +112,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "contradictory-gaps",
-        problem: "A rigid body between two stops that are closer together than it is long: `A = [1 −1; −1 1]`, gaps of −1 and 0.5.\nWhether each solver refuses it.",
+        problem: "A rigid body between two stops that are closer together than it is long: `A = [1 −1; −1 1]`, gaps \
+            of −1 and 0.5.\nWhether each solver refuses it.",
         kind: Kind::Exact,
         reference: "`λ = (1, 1)` proves it: `Aλ = 0` and `bᵀλ < 0`",
         remark: "",

@@ -13,7 +13,8 @@ use crate::Failure;
 pub(super) const CASES: &[Case] = &[
     Case {
         name: "bracket-frequencies",
-        problem: "Steel angle bracket with a clamped foot, 10-node tetrahedra meshed by Gmsh, matrices exported by CalculiX in mm, t, s (`configs/structures`).\nEight lowest frequencies from the matrices.",
+        problem: "Steel angle bracket with a clamped foot, 10-node tetrahedra meshed by Gmsh, matrices exported by \
+            CalculiX in mm, t, s (`configs/structures`).\nEight lowest frequencies from the matrices.",
         kind: Kind::OtherProgram,
         reference: "those that CalculiX 2.20 prints itself, seven digits (`bracket.hz`)",
         remark: "",
@@ -21,7 +22,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "bracket-open-modes",
-        problem: "The same bracket with a rigid wall before the nodes of its edge, reduced to eight modes with residual flexibility.\nIts frequencies; the contact nodes have lost their mass.",
+        problem: "The same bracket with a rigid wall before the nodes of its edge, reduced to eight modes with \
+            residual flexibility.\nIts frequencies; the contact nodes have lost their mass.",
         kind: Kind::OtherProgram,
         reference: "the frequencies of CalculiX: the reduction leaves them as they are",
         remark: "dropping the mass of these nodes instead moves them by some tenths of a percent",
@@ -29,7 +31,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "bracket-volume",
-        problem: "The skin of the bracket's mesh, as read from the deck of CalculiX and from the file of Gmsh.\nVolume that it encloses.",
+        problem: "The skin of the bracket's mesh, as read from the deck of CalculiX and from the file of \
+            Gmsh.\nVolume that it encloses.",
         kind: Kind::Exact,
         reference: "`30·20·4 + 4·20·36 = 5280 mm³`",
         remark: "",
@@ -37,17 +40,22 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "bracket-mass",
-        problem: "The mass matrix of the bracket in t and mm, `ρ = 7.85·10⁻⁹ t/mm³`; displacements of the clamped foot are left out.\nMass that moves with a translation along x, in kg.",
+        problem: "The mass matrix of the bracket in t and mm, `ρ = 7.85·10⁻⁹ t/mm³`; displacements of the clamped \
+            foot are left out.\nMass that moves with a translation along x, in kg.",
         kind: Kind::Independent,
-        reference: "`∫ρ (Σ N_i)² dV` over the shape functions of the free nodes, from the mesh, by the rule of four points that CalculiX has for these elements",
+        reference: "`∫ρ (Σ N_i)² dV` over the shape functions of the free nodes, from the mesh, by the rule of four \
+            points that CalculiX has for these elements",
         remark: "the exact integral has 0.5 % more: the elements at the foot are under-integrated",
         compute: mass,
     },
     Case {
         name: "bracket-statics",
-        problem: "The bracket pressed by 100 N along z at the first free node of its set `edge`, with no stop, through two, eight and 16 free-interface modes and their residual flexibility.\nDisplacement of the node along the force.",
+        problem: "The bracket pressed by 100 N along z at the first free node of its set `edge`, with no stop, \
+            through two, eight and 16 free-interface modes and their residual flexibility.\nDisplacement of the node \
+            along the force.",
         kind: Kind::Independent,
-        reference: "the solution of `K q = f` by conjugate gradients with Jacobi's preconditioner, written for the case",
+        reference: "the solution of `K q = f` by conjugate gradients with Jacobi's preconditioner, written for the \
+            case",
         remark: "",
         compute: statics,
     },

@@ -21,15 +21,19 @@ const ROUNDING: &str = "an identity at any number of harmonics: rounding, over t
 pub(super) const CASES: &[Case] = &[
     Case {
         name: "forced-rod-upper",
-        problem: "Rod of two elements, `EA = ρA = L = g₀ = 1`, tip massless, 1 % modal damping with the stop open, 0.2 cos Ωt at its middle, 0.42 Hz, 40 harmonics.\nUpper response: fundamental, share of contact, lag, largest multiplier.",
+        problem: "Rod of two elements, `EA = ρA = L = g₀ = 1`, tip massless, 1 % modal damping with the stop open, \
+            0.2 cos Ωt at its middle, 0.42 Hz, 40 harmonics.\nUpper response: fundamental, share of contact, lag, \
+            largest multiplier.",
         kind: Kind::Exact,
-        reference: "damped harmonic arcs, joined by Newton's method; the multiplier from the product of their matrix exponentials",
+        reference: "damped harmonic arcs, joined by Newton's method; the multiplier from the product of their matrix \
+            exponentials",
         remark: "",
         compute: || forced_rod(false),
     },
     Case {
         name: "forced-rod-middle",
-        problem: "The same, the response between both folds, come to from the upper end of the window.\nFundamental, share of contact, lag, largest multiplier.",
+        problem: "The same, the response between both folds, come to from the upper end of the window.\nFundamental, \
+            share of contact, lag, largest multiplier.",
         kind: Kind::Exact,
         reference: "as before",
         remark: "",
@@ -37,7 +41,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "forced-rod-phase-resonance",
-        problem: "The same rod in phase resonance at the level 0.2.\nFrequency, fundamental, share of contact, largest multiplier.",
+        problem: "The same rod in phase resonance at the level 0.2.\nFrequency, fundamental, share of contact, \
+            largest multiplier.",
         kind: Kind::Exact,
         reference: "as before, with the frequency as a fourth unknown and the lag of 90° as the fourth equation",
         remark: "",
@@ -45,15 +50,18 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "damped-mode-of-the-rod",
-        problem: "The damped nonlinear mode of the same rod (extended periodic motion concept), 40 harmonics, to eight times the mean kinetic energy at which it just touches.\nFrequency and damping ratio at the end.",
+        problem: "The damped nonlinear mode of the same rod (extended periodic motion concept), 40 harmonics, to \
+            eight times the mean kinetic energy at which it just touches.\nFrequency and damping ratio at the end.",
         kind: Kind::Exact,
-        reference: "one mass: `ξ = c/m` takes all damping out, so that the motion is that of the undamped bilinear oscillator, and `D = ζω₁/ω`",
+        reference: "one mass: `ξ = c/m` takes all damping out, so that the motion is that of the undamped bilinear \
+            oscillator, and `D = ζω₁/ω`",
         remark: "",
         compute: damped_rod,
     },
     Case {
         name: "damped-mode-mass-proportional",
-        problem: "Wall, 3 N/m, 1 kg, 2 N/m, 0.7 kg, 1 N/m, 0.4 kg, 4 N/m, a massless node, a rigid stop 0.1 m from it, `C = 0.04 M`, 9 harmonics.\nLargest deviation of the damping ratio along the damped nonlinear mode.",
+        problem: "Wall, 3 N/m, 1 kg, 2 N/m, 0.7 kg, 1 N/m, 0.4 kg, 4 N/m, a massless node, a rigid stop 0.1 m from \
+            it, `C = 0.04 M`, 9 harmonics.\nLargest deviation of the damping ratio along the damped nonlinear mode.",
         kind: Kind::Exact,
         reference: "`ξ = 0.04` takes all damping out: `D = 0.04/2ω` at every point, whatever the contact does",
         remark: "",
@@ -61,15 +69,20 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "nlvib-03",
-        problem: "NLvib's example 03: `M = I`, `K = [1 −1; −1 2]`, `C = 0.03 K`, one-sided spring 100 with gap 1 at mass 1, 0.1 cos Ωt at mass 2.\nAmplitude of mass 2 at the exact peak, `Ω = 0.7511845540`, with 63 harmonics; largest multiplier.",
+        problem: "NLvib's example 03: `M = I`, `K = [1 −1; −1 2]`, `C = 0.03 K`, one-sided spring 100 with gap 1 at \
+            mass 1, 0.1 cos Ωt at mass 2.\nAmplitude of mass 2 at the exact peak, `Ω = 0.7511845540`, with 63 \
+            harmonics; largest multiplier.",
         kind: Kind::Independent,
-        reference: "shooting with event-driven integration in Python, two integrators that agree to 1e-10: 0.9363056809 and −1.1924192; an implementation of the equations of mixed shooting with 63 harmonics in Python: 0.9363067661",
+        reference: "shooting with event-driven integration in Python, two integrators that agree to 1e-10: \
+            0.9363056809 and −1.1924192; an implementation of the equations of mixed shooting with 63 harmonics in \
+            Python: 0.9363067661",
         remark: "",
         compute: nlvib,
     },
     Case {
         name: "linear-response",
-        problem: "The two masses of NLvib's example with a thousandth of a newton at mass 2, so that nothing touches.\nComplex amplitude of mass 2 at two frequencies.",
+        problem: "The two masses of NLvib's example with a thousandth of a newton at mass 2, so that nothing \
+            touches.\nComplex amplitude of mass 2 at two frequencies.",
         kind: Kind::Exact,
         reference: "`(K + iΩC − Ω²M) q = f`, two equations by Cramer's rule",
         remark: "",
@@ -77,7 +90,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "linear-phase-resonance",
-        problem: "A mass of 2 kg on 50 N/m with 3 % damping, driven by 4 N, with a stop that it does not reach.\nFrequency and amplitude of phase resonance.",
+        problem: "A mass of 2 kg on 50 N/m with 3 % damping, driven by 4 N, with a stop that it does not \
+            reach.\nFrequency and amplitude of phase resonance.",
         kind: Kind::Exact,
         reference: "`ω₀ = 5 rad/s` whatever the damping, `F/(cω₀)`",
         remark: "",
@@ -85,7 +99,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "power-balance",
-        problem: "The rod of two elements at the level 0.2 over 0.3 to 0.6 Hz, 7 harmonics: through both folds and the stop.\nLargest difference of the power put in and that dissipated; number of folds.",
+        problem: "The rod of two elements at the level 0.2 over 0.3 to 0.6 Hz, 7 harmonics: through both folds and \
+            the stop.\nLargest difference of the power put in and that dissipated; number of folds.",
         kind: Kind::Exact,
         reference: "a rigid stop does no work at any number of harmonics: none",
         remark: "",

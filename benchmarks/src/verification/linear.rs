@@ -16,7 +16,8 @@ const ORDER: &str = "what is left of the next order on the meshes used";
 pub(super) const CASES: &[Case] = &[
     Case {
         name: "rod-consistent",
-        problem: "Clamped-free rod, `EA = 7 N`, `ρA = 3 kg/m`, `L = 2 m`, ten linear elements with consistent mass.\nAll ten angular frequencies.",
+        problem: "Clamped-free rod, `EA = 7 N`, `ρA = 3 kg/m`, `L = 2 m`, ten linear elements with consistent \
+            mass.\nAll ten angular frequencies.",
         kind: Kind::Exact,
         reference: "the mesh is a chain: `ω² = 6 EA/(ρA h²) · (1 − cos κ)/(2 + cos κ)`, `κ = (2k − 1)π/20`",
         remark: "",
@@ -32,7 +33,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "rod-continuous",
-        problem: "Clamped-free steel rod, `E = 210 GPa`, `ρ = 7850 kg/m³`, `L = 3 m`, 10 to 80 elements with consistent mass.\nFirst frequency, and how it converges.",
+        problem: "Clamped-free steel rod, `E = 210 GPa`, `ρ = 7850 kg/m³`, `L = 3 m`, 10 to 80 elements with \
+            consistent mass.\nFirst frequency, and how it converges.",
         kind: Kind::Exact,
         reference: "`f = √(E/ρ)/(4L)`; linear elements err with `h²`, from above",
         remark: "",
@@ -40,10 +42,14 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "rod-massless-tip",
-        problem: "The rod of Section 3 of the paper: `E = 210 GPa`, `ρ = 9000 kg/m³`, `L = 20 m`, 100 elements, consistent mass;\nthe mass of the tip node is dropped. First and second frequency, and the first one with the tip fixed.",
+        problem: "The rod of Section 3 of the paper: `E = 210 GPa`, `ρ = 9000 kg/m³`, `L = 20 m`, 100 elements, \
+            consistent mass;\nthe mass of the tip node is dropped. First and second frequency, and the first one with \
+            the tip fixed.",
         kind: Kind::Exact,
-        reference: "`q_j = sin κj` between the ends; the equations of the last two nodes give one equation for `κ`, solved by bisection",
-        remark: "the paper says 60.3 Hz and \"around 182\" Hz: the former is the frequency with the mass kept or moved (next case)",
+        reference: "`q_j = sin κj` between the ends; the equations of the last two nodes give one equation for `κ`, \
+            solved by bisection",
+        remark: "the paper says 60.3 Hz and \"around 182\" Hz: the former is the frequency with the mass kept or \
+            moved (next case)",
         compute: massless_tip,
     },
     Case {
@@ -64,7 +70,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "beam-pinned-slender",
-        problem: "Slender pinned beam in its plane, `L = 2 m`, 1 mm square, `E = 70 GPa`, `ρ = 2700 kg/m³`, 32 elements.\nFirst three bending frequencies.",
+        problem: "Slender pinned beam in its plane, `L = 2 m`, 1 mm square, `E = 70 GPa`, `ρ = 2700 kg/m³`, 32 \
+            elements.\nFirst three bending frequencies.",
         kind: Kind::Exact,
         reference: "Euler-Bernoulli, `ω = (kπ/L)² √(EI/ρA)`",
         remark: "",
@@ -80,15 +87,18 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "beam-pinned-thick",
-        problem: "Thick pinned beam, `L = 1 m`, section 0.1 m × 0.2 m, `E = 200 GPa`, `ν = 0.3`, `κ = 5/6`, `ρ = 8000 kg/m³`, 12 to 48 elements.\nFirst three bending frequencies, and how the third converges.",
+        problem: "Thick pinned beam, `L = 1 m`, section 0.1 m × 0.2 m, `E = 200 GPa`, `ν = 0.3`, `κ = 5/6`, `ρ = 8000 \
+            kg/m³`, 12 to 48 elements.\nFirst three bending frequencies, and how the third converges.",
         kind: Kind::Exact,
-        reference: "Timoshenko: `κGA EI p⁴ − (κGA ρA + (κGA ρI + EI ρA) p²) ω² + ρA ρI ω⁴ = 0` with `p = kπ/L`; elements shorter than the beam is high err with `h²`, slender ones with `h⁴`",
+        reference: "Timoshenko: `κGA EI p⁴ − (κGA ρA + (κGA ρI + EI ρA) p²) ω² + ρA ρI ω⁴ = 0` with `p = kπ/L`; \
+            elements shorter than the beam is high err with `h²`, slender ones with `h⁴`",
         remark: "",
         compute: pinned_thick,
     },
     Case {
         name: "beam-tip-load",
-        problem: "Thick cantilever of the same section and material, 1.5 m long, a force of 1 kN at its tip, three elements of unequal length.\nDeflection and rotation of the tip.",
+        problem: "Thick cantilever of the same section and material, 1.5 m long, a force of 1 kN at its tip, three \
+            elements of unequal length.\nDeflection and rotation of the tip.",
         kind: Kind::Exact,
         reference: "`FL³/3EI + FL/κGA` and `FL²/2EI`: the element is exact for loads at nodes",
         remark: "",
@@ -96,10 +106,12 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "beam-of-the-paper",
-        problem: "The beam of Section 4 of the paper with `E = 181.36 GPa`, the mass of its tip dropped; 21 graded elements (`configs/beam.toml`).\nFirst frequency.",
+        problem: "The beam of Section 4 of the paper with `E = 181.36 GPa`, the mass of its tip dropped; 21 graded \
+            elements (`configs/beam.toml`).\nFirst frequency.",
         kind: Kind::Measured,
         reference: "40.10 Hz, Table 1 of Peter, Schreyer, Leine 2019, measured on the beam",
-        remark: "length and mesh are not in the paper; they are those with which both moduli of Table 1 hold. The higher frequencies of the table are not those of an ideal cantilever",
+        remark: "length and mesh are not in the paper; they are those with which both moduli of Table 1 hold. The \
+            higher frequencies of the table are not those of an ideal cantilever",
         compute: beam_of_the_paper,
     },
 ];

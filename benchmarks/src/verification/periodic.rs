@@ -18,18 +18,27 @@ const FIFTH: &str = "harmonics beyond H are left out: error ~ H⁻⁵, 1e-4 at 5
 pub(super) const CASES: &[Case] = &[
     Case {
         name: "sdnd122",
-        problem: "Code_Aster's SDND122: a mass of 1 kg on 10 N/m, a stop of 50 N/m at 0.01 m, at three total energies;\nconventional harmonic balance, 60 harmonics. Frequency at the mean kinetic energy of the exact motion, and its total energy.",
+        problem: "Code_Aster's SDND122: a mass of 1 kg on 10 N/m, a stop of 50 N/m at 0.01 m, at three total \
+            energies;\nconventional harmonic balance, 60 harmonics. Frequency at the mean kinetic energy of the exact \
+            motion, and its total energy.",
         kind: Kind::Exact,
-        reference: "two harmonic arcs: `f = 1/(t₁ + t₂)`, `t₁ = 2(π − arccos(g/A))/√(k/m)`, `t₂ = 2 arccos((g − d)/A₁)/√((k + k_c)/m)`",
-        remark: "the validation manual of Code_Aster has 0.646694 Hz beside an \"analytical\" 0.646217 Hz; the exact value at the first energy is 0.6466310 Hz, which the former misses by 1e-4 and the latter by 6e-4: it is no closed form of this oscillator",
+        reference: "two harmonic arcs: `f = 1/(t₁ + t₂)`, `t₁ = 2(π − arccos(g/A))/√(k/m)`, `t₂ = 2 arccos((g − \
+            d)/A₁)/√((k + k_c)/m)`",
+        remark: "the validation manual of Code_Aster has 0.646694 Hz beside an \"analytical\" 0.646217 Hz; the exact \
+            value at the first energy is 0.6466310 Hz, which the former misses by 1e-4 and the latter by 6e-4: it is \
+            no closed form of this oscillator",
         compute: sdnd122,
     },
     Case {
         name: "sdnd123-one-sided",
-        problem: "After Code_Aster's SDND123: two masses of 1 kg, three springs of 1 N/m between walls, a stop of 30 N/m 1 m from the first mass, which goes 1.1 m far;\n60 harmonics. Frequency of the first mode, displacement of the second mass at that instant.",
+        problem: "After Code_Aster's SDND123: two masses of 1 kg, three springs of 1 N/m between walls, a stop of 30 \
+            N/m 1 m from the first mass, which goes 1.1 m far;\n60 harmonics. Frequency of the first mode, \
+            displacement of the second mass at that instant.",
         kind: Kind::Independent,
-        reference: "arcs in the modes with and without the stop's spring, joined by Newton's method: three equations for two durations and one displacement",
-        remark: "the reference point of the validation manual lies at an amplitude of 0.81, where nothing touches: it tests the linear mode",
+        reference: "arcs in the modes with and without the stop's spring, joined by Newton's method: three equations \
+            for two durations and one displacement",
+        remark: "the reference point of the validation manual lies at an amplitude of 0.81, where nothing touches: it \
+            tests the linear mode",
         compute: || sdnd123(false),
     },
     Case {
@@ -42,9 +51,11 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "bilinear-one-sided",
-        problem: "A mass of ⅓ kg on 2 N/m with a stop of 6 N/m at 1 m, into which it penetrates by 0.6 m; harmonic balance.\nFrequency and total energy with 80 harmonics; order over 6 to 48 harmonics.",
+        problem: "A mass of ⅓ kg on 2 N/m with a stop of 6 N/m at 1 m, into which it penetrates by 0.6 m; harmonic \
+            balance.\nFrequency and total energy with 80 harmonics; order over 6 to 48 harmonics.",
         kind: Kind::Exact,
-        reference: "two harmonic arcs; the third derivative jumps, so that `x_n ~ n⁻⁴` and the frequency, which is stationary, errs with `H⁻⁵`",
+        reference: "two harmonic arcs; the third derivative jumps, so that `x_n ~ n⁻⁴` and the frequency, which is \
+            stationary, errs with `H⁻⁵`",
         remark: "",
         compute: one_sided,
     },
@@ -58,7 +69,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "bilinear-massless-node",
-        problem: "The same mass with a spring of 2 N/m and a massless node with a rigid stop at 1 m, which the mass passes by 0.7 m; mixed shooting, 60 harmonics.\nFrequency, total energy, and largest contact force.",
+        problem: "The same mass with a spring of 2 N/m and a massless node with a rigid stop at 1 m, which the mass \
+            passes by 0.7 m; mixed shooting, 60 harmonics.\nFrequency, total energy, and largest contact force.",
         kind: Kind::Exact,
         reference: "the mass sees a stop of 2 N/m; the force is that spring's, 1.4 N",
         remark: "",
@@ -74,7 +86,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "bilinear-closed-at-rest",
-        problem: "Shaw and Holmes 1983: a mass of 1 kg on 1 N/m that touches a stop of 3 N/m at rest; 41 harmonics.\nFrequency at the first and the last point of the branch, which does not depend on the energy.",
+        problem: "Shaw and Holmes 1983: a mass of 1 kg on 1 N/m that touches a stop of 3 N/m at rest; 41 \
+            harmonics.\nFrequency at the first and the last point of the branch, which does not depend on the energy.",
         kind: Kind::Exact,
         reference: "`ω = 2ω₁ω₂/(ω₁ + ω₂)` with `ω₁ = 1`, `ω₂ = 2`",
         remark: "",
@@ -82,23 +95,30 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "small-penetration",
-        problem: "A mass of 1 kg on 1 N/m with a stop of 100 N/m at 1 mm, into which it penetrates by 1 to 16 nm; 20 harmonics.\nHow the frequency rises over the energy at which it just touches.",
+        problem: "A mass of 1 kg on 1 N/m with a stop of 100 N/m at 1 mm, into which it penetrates by 1 to 16 nm; 20 \
+            harmonics.\nHow the frequency rises over the energy at which it just touches.",
         kind: Kind::Exact,
-        reference: "two harmonic arcs; the contact lasts like the root of the penetration, so that the frequency rises with its power 3/2",
+        reference: "two harmonic arcs; the contact lasts like the root of the penetration, so that the frequency \
+            rises with its power 3/2",
         remark: "",
         compute: small_penetration,
     },
     Case {
         name: "rod-internal-resonance",
-        problem: "The rod of Section 3 of the paper, 100 elements, 3 harmonics: the loop of Fig. 3 b ends on the second linear mode where that just touches,\nthe 3:1 internal resonance. Frequency and energy (over that of grazing) of this branch point.",
+        problem: "The rod of Section 3 of the paper, 100 elements, 3 harmonics: the loop of Fig. 3 b ends on the \
+            second linear mode where that just touches,\nthe 3:1 internal resonance. Frequency and energy (over that \
+            of grazing) of this branch point.",
         kind: Kind::Exact,
-        reference: "a third of the second linear frequency, and the ratio of the energies at which both modes just touch, from `q_j = sin κj`",
+        reference: "a third of the second linear frequency, and the ratio of the energies at which both modes just \
+            touch, from `q_j = sin κj`",
         remark: "",
         compute: internal_resonance,
     },
     Case {
         name: "rod-of-two-elements",
-        problem: "The rod of two elements (`EA = ρA = L = g₀ = 1`, tip massless) has one mass: mixed shooting with all its harmonics gives a bilinear oscillator.\nFrequency where the mass goes 1.2, 2 and 5 m far toward the stop, with 80 harmonics, without evenness assumed.",
+        problem: "The rod of two elements (`EA = ρA = L = g₀ = 1`, tip massless) has one mass: mixed shooting with \
+            all its harmonics gives a bilinear oscillator.\nFrequency where the mass goes 1.2, 2 and 5 m far toward \
+            the stop, with 80 harmonics, without evenness assumed.",
         kind: Kind::Exact,
         reference: "`m = ⅓`, `k = 2`, and the massless half of the rod as a stop of 2 at 1",
         remark: "",
@@ -106,9 +126,13 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "chain-of-two-with-impacts",
-        problem: "Nonsmooth modes after Thorin, Delezoide and Legrand 2017: two masses of 1 kg on springs of 1 N/m behind a wall, the last hits a rigid stop at 1 m once a period, without loss.\nStops of 10⁴ to 2.56·10⁶ N/m by shooting, at the averaged kinetic energies of the exact motions with these shares of the first linear period T₁:\nfrequency and impulse, extrapolated to the rigid stop; order of the approach.",
+        problem: "Nonsmooth modes after Thorin, Delezoide and Legrand 2017: two masses of 1 kg on springs of 1 N/m \
+            behind a wall, the last hits a rigid stop at 1 m once a period, without loss.\nStops of 10⁴ to 2.56·10⁶ \
+            N/m by shooting, at the averaged kinetic energies of the exact motions with these shares of the first \
+            linear period T₁:\nfrequency and impulse, extrapolated to the rigid stop; order of the approach.",
         kind: Kind::Exact,
-        reference: "free between the impacts, `q_k = a_k cos ω_k(t − T/2)`, `a_k = −p φ_k / (2 ω_k sin(ω_k T/2))`, and `p` from the distance of the stop",
+        reference: "free between the impacts, `q_k = a_k cos ω_k(t − T/2)`, `a_k = −p φ_k / (2 ω_k sin(ω_k T/2))`, \
+            and `p` from the distance of the stop",
         remark: "",
         compute: || super::chains::chain(2, &[0.95, 0.85]),
     },

@@ -17,7 +17,8 @@ const LEAK: &str = "whole periods are cut out between samples: what is left of l
 pub(super) const CASES: &[Case] = &[
     Case {
         name: "harmonics-of-a-signal",
-        problem: "A displacement of eight harmonics with amplitudes `1/n²` and phases `0.3n`, 41.3104 Hz, 20 kHz, 9683 samples: no whole number of periods.\nFrequency, and amplitudes of harmonics 1, 3, 8.",
+        problem: "A displacement of eight harmonics with amplitudes `1/n²` and phases `0.3n`, 41.3104 Hz, 20 kHz, \
+            9683 samples: no whole number of periods.\nFrequency, and amplitudes of harmonics 1, 3, 8.",
         kind: Kind::Exact,
         reference: "the numbers that the signal was made from",
         remark: "",
@@ -33,7 +34,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "noise-is-averaged",
-        problem: "The same displacement with 1 % of white noise, ten seeds.\nMean deviation of the frequency over its stated uncertainty, as a root mean square.",
+        problem: "The same displacement with 1 % of white noise, ten seeds.\nMean deviation of the frequency over its \
+            stated uncertainty, as a root mean square.",
         kind: Kind::Exact,
         reference: "1: the stated uncertainty is a standard error",
         remark: "",
@@ -41,7 +43,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "mode-indicator",
-        problem: "Force `cos θ`, velocity `cos θ + ½ cos 2θ` at the drive point: a force that is not appropriated.\nPower-based mode indicator, active power, with both signs of the force.",
+        problem: "Force `cos θ`, velocity `cos θ + ½ cos 2θ` at the drive point: a force that is not \
+            appropriated.\nPower-based mode indicator, active power, with both signs of the force.",
         kind: Kind::Exact,
         reference: "`P = ½`, `S = ½ √(1 + ¼)`: `±2/√5`",
         remark: "eq. (19) of the paper has a minus sign and is stated to reach +1; here a perfect force has +1",
@@ -49,7 +52,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "damping-of-a-linear-mode",
-        problem: "One mode at 40.1 Hz with 0.19 % damping at its undamped frequency, force and acceleration at three positions.\nDamping coefficient, modal amplitude, lag.",
+        problem: "One mode at 40.1 Hz with 0.19 % damping at its undamped frequency, force and acceleration at three \
+            positions.\nDamping coefficient, modal amplitude, lag.",
         kind: Kind::Exact,
         reference: "`ζ`; `Fφ/(2ζω²)`; 90°",
         remark: "",
@@ -65,7 +69,9 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "stiffness-of-a-stop",
-        problem: "A mass of 1 kg on (80π)² = 63 165.47 N/m (40 Hz) with a stop of 4·10⁵ N/m at 1 mm, 0.3 mm beyond it: displacement, velocity and contact force, 40 kHz.\nContact stiffness, where the stop is, share of time in contact, restitution.",
+        problem: "A mass of 1 kg on (80π)² = 63 165.47 N/m (40 Hz) with a stop of 4·10⁵ N/m at 1 mm, 0.3 mm beyond \
+            it: displacement, velocity and contact force, 40 kHz.\nContact stiffness, where the stop is, share of \
+            time in contact, restitution.",
         kind: Kind::Exact,
         reference: "two harmonic arcs; the motion is symmetric about the contact: restitution 1",
         remark: "",

@@ -16,47 +16,63 @@ const ROUNDING: &str = "arcs are propagated exactly: rounding";
 pub(super) const CASES: &[Case] = &[
     Case {
         name: "sdnd101",
-        problem: "Code_Aster's SDND101: a mass of 100 kg on 10⁴ N/m touches a stop of 10⁶ N/m at rest and is thrown at it with 1 m/s.\nDuration of the contact, largest force, impulse.",
+        problem: "Code_Aster's SDND101: a mass of 100 kg on 10⁴ N/m touches a stop of 10⁶ N/m at rest and is thrown \
+            at it with 1 m/s.\nDuration of the contact, largest force, impulse.",
         kind: Kind::Exact,
-        reference: "half an oscillation: `π/ω`, `Kv/ω`, `2Kv/ω²` with `ω² = (k + K)/m`; the validation manual has 0.03126002 s, 9950.372 N, 198.0198 N s",
+        reference: "half an oscillation: `π/ω`, `Kv/ω`, `2Kv/ω²` with `ω² = (k + K)/m`; the validation manual has \
+            0.03126002 s, 9950.372 N, 198.0198 N s",
         remark: "",
         compute: sdnd101,
     },
     Case {
         name: "sdnv100",
-        problem: "After Code_Aster's SDNV100: a free bar of 0.2 m (`E = 200 GPa`, `ρ = 8000 kg/m³`, 1 cm²) flies into a rigid wall with 100 m/s; 20 to 160 elements.\nImpulse, duration of the contact, mean force; how they converge.",
+        problem: "After Code_Aster's SDNV100: a free bar of 0.2 m (`E = 200 GPa`, `ρ = 8000 kg/m³`, 1 cm²) flies into \
+            a rigid wall with 100 m/s; 20 to 160 elements.\nImpulse, duration of the contact, mean force; how they \
+            converge.",
         kind: Kind::Exact,
-        reference: "one wave there and back: `2L/c`, constant force `ρcvA`, and the bar leaves as it came, with the impulse `2ρALv`",
+        reference: "one wave there and back: `2L/c`, constant force `ρcvA`, and the bar leaves as it came, with the \
+            impulse `2ρALv`",
         remark: "elements disperse the wave: its front spreads like the third root of the path over the element",
         compute: sdnv100,
     },
     Case {
         name: "bouncing-bar",
-        problem: "Doyen, Ern, Piperno 2011: a bar with `L = 10`, `E = 900`, `ρ = 1` falls from 5 above the floor, gravity 10; 100 elements.\nInstants of the first two contacts, height of its centre after the first bounce and after the period 16/3.",
+        problem: "Doyen, Ern, Piperno 2011: a bar with `L = 10`, `E = 900`, `ρ = 1` falls from 5 above the floor, \
+            gravity 10; 100 elements.\nInstants of the first two contacts, height of its centre after the first \
+            bounce and after the period 16/3.",
         kind: Kind::Exact,
-        reference: "waves of speed 30: falls 1, touches for 2/3, flies 2 (three periods of its vibration), touches for 2/3, which undoes the vibration, and rises 1; the force `300 (1 + t)` of the contact lets its centre sink by 20/27",
-        remark: "gravity enters as soft springs to far above, `K + 10⁻⁶M` about the equilibrium 10⁷ below the floor: it changes by 1e-6 of itself over the fall",
+        reference: "waves of speed 30: falls 1, touches for 2/3, flies 2 (three periods of its vibration), touches \
+            for 2/3, which undoes the vibration, and rises 1; the force `300 (1 + t)` of the contact lets its centre \
+            sink by 20/27",
+        remark: "gravity enters as soft springs to far above, `K + 10⁻⁶M` about the equilibrium 10⁷ below the floor: \
+            it changes by 1e-6 of itself over the fall",
         compute: bouncing_bar,
     },
     Case {
         name: "impact-limit",
-        problem: "A mass of 1 kg on 1 N/m starts at −2 m and hits stops of 10² to 10⁶ N/m at 1 m.\nTime until it is back, and how it approaches that of a rigid impact.",
+        problem: "A mass of 1 kg on 1 N/m starts at −2 m and hits stops of 10² to 10⁶ N/m at 1 m.\nTime until it is \
+            back, and how it approaches that of a rigid impact.",
         kind: Kind::Exact,
-        reference: "two harmonic arcs; `2(π − arccos ½)` for an impact that takes no time, approached like the root of the compliance",
+        reference: "two harmonic arcs; `2(π − arccos ½)` for an impact that takes no time, approached like the root \
+            of the compliance",
         remark: "",
         compute: impact_limit,
     },
     Case {
         name: "runge-kutta",
-        problem: "Wall, 3 N/m, 1 kg, 2 N/m, 0.7 kg, 1 N/m, 0.4 kg, 4 N/m, a massless node, a rigid stop 0.1 m from it; from (0.02, −0.05, 0.03) m with (0.1, 0.2, 0.35) m/s.\nTwenty seconds with some ten contacts. Displacements and velocities at the end.",
+        problem: "Wall, 3 N/m, 1 kg, 2 N/m, 0.7 kg, 1 N/m, 0.4 kg, 4 N/m, a massless node, a rigid stop 0.1 m from \
+            it; from (0.02, −0.05, 0.03) m with (0.1, 0.2, 0.35) m/s.\nTwenty seconds with some ten contacts. \
+            Displacements and velocities at the end.",
         kind: Kind::Independent,
-        reference: "the equations with the contact force `λ = k max(q₃ − g, 0)` of the massless node, by the classical method of Runge and Kutta, 100 000 and 200 000 steps",
+        reference: "the equations with the contact force `λ = k max(q₃ − g, 0)` of the massless node, by the \
+            classical method of Runge and Kutta, 100 000 and 200 000 steps",
         remark: "",
         compute: runge_kutta,
     },
     Case {
         name: "energy-over-many-periods",
-        problem: "The same three masses over 2000 s, some thousand contacts.\nEnergy at all contact instants beside that at the start.",
+        problem: "The same three masses over 2000 s, some thousand contacts.\nEnergy at all contact instants beside \
+            that at the start.",
         kind: Kind::Exact,
         reference: "nothing dissipates: constant",
         remark: "",
@@ -64,7 +80,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "there-and-back",
-        problem: "The same three masses over 20 s, then with their velocities reversed for another 20 s.\nDistance from the start.",
+        problem: "The same three masses over 20 s, then with their velocities reversed for another 20 s.\nDistance \
+            from the start.",
         kind: Kind::Exact,
         reference: "the motion runs backwards: none",
         remark: "",
@@ -72,7 +89,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "shooting-bilinear",
-        problem: "The rod of two elements (one mass of ⅓, 2 N/m, massless half as a stop of 2 N/m at 1 m) at six times the energy of grazing, by shooting.\nFrequency, total energy, share of contact.",
+        problem: "The rod of two elements (one mass of ⅓, 2 N/m, massless half as a stop of 2 N/m at 1 m) at six \
+            times the energy of grazing, by shooting.\nFrequency, total energy, share of contact.",
         kind: Kind::Exact,
         reference: "two harmonic arcs",
         remark: "",
@@ -80,7 +98,8 @@ pub(super) const CASES: &[Case] = &[
     },
     Case {
         name: "multipliers-of-a-conservative-motion",
-        problem: "The three masses in their first nonlinear mode at twice the energy of grazing, by shooting.\nProduct of the four multipliers beside the double one; how well it comes back along itself.",
+        problem: "The three masses in their first nonlinear mode at twice the energy of grazing, by \
+            shooting.\nProduct of the four multipliers beside the double one; how well it comes back along itself.",
         kind: Kind::Exact,
         reference: "a Hamiltonian flow keeps volume: the product is 1",
         remark: "",

@@ -16,7 +16,8 @@ pub struct Arguments {
 /// Names the feature that the command needs.
 pub fn refuse(command: &str, feature: &str) -> Status {
     say!(
-        "error: `{command}` is not in this build of nlmodes-cli\n  help: `cargo run --features {feature} -- {command} …` \
+        "error: `{command}` is not in this build of nlmodes-cli\n  help: `cargo run --features {feature} -- {command} \
+         …` \
          or `cargo install --path crates/nlmodes-cli --features full`; releases have all features"
     );
     Status::Wrong

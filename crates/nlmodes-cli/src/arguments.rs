@@ -41,7 +41,8 @@ Exit status:
   2  the scene or the call is wrong: nothing is written";
 
 const SET_HELP: &str = "\
-Replaces a value of the scene, or adds one. The key is a dotted path; stops go by number, from 0. May be given several times.";
+Replaces a value of the scene, or adds one. The key is a dotted path; stops go by number, from 0. May be given \
+several times.";
 
 // The command. No doc comments here: they would appear in the help.
 #[derive(Debug, Subcommand)]

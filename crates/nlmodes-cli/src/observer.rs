@@ -52,7 +52,8 @@ impl Observer for TerminalObserver {
         let quiet = self.options.quiet;
         match event {
             Event::Abandoned { directory, points } => say!(
-                "warning: {} holds an interrupted run of this scene, {points} points, which is computed anew; with `--resume` it goes on",
+                "warning: {} holds an interrupted run of this scene, {points} points, which is computed anew; with \
+                 `--resume` it goes on",
                 directory.display()
             ),
             Event::Replaces { directory, certificates, drawn } => replaces(directory, certificates, drawn),
@@ -141,12 +142,14 @@ fn replaces(directory: &Path, certificates: usize, drawn: usize) {
     if certificates > 0 {
         let those = if certificates == 1 { "the certificate" } else { "the certificates" };
         say!(
-            "warning: {place}: {those} of `run --certify` will be replaced by what a plain run looks at; with `--certify` all is looked at again"
+            "warning: {place}: {those} of `run --certify` will be replaced by what a plain run looks at; with \
+             `--certify` all is looked at again"
         );
     }
     if drawn > 0 {
         say!(
-            "warning: {place}: {drawn} figures as PDF or PNG will be removed, for the new results may differ; `nlmodes-cli figures` makes them again"
+            "warning: {place}: {drawn} figures as PDF or PNG will be removed, for the new results may differ; \
+             `nlmodes-cli figures` makes them again"
         );
     }
 }

@@ -23,7 +23,8 @@ pub enum FemError {
     },
     /// Steps of a structure that are not in order.
     #[error(
-        "step {step} reaches from node {from} to node {to}; it has to end behind its start, at node {last} at the latest"
+        "step {step} reaches from node {from} to node {to}; it has to end behind its start, at node {last} at the \
+         latest"
     )]
     Step {
         /// The step, counted from 0.

@@ -16,7 +16,8 @@ pub enum ModalError {
     },
     /// A table of linear mode shapes is inconsistent with its positions or frequencies.
     #[error(
-        "the table of linear mode shapes has {rows} rows and {columns} columns (rows of equal length?), but there are {positions} \
+        "the table of linear mode shapes has {rows} rows and {columns} columns (rows of equal length?), but there are \
+         {positions} \
          positions and {modes} modes with frequency and damping ratio"
     )]
     ShapeTable {
@@ -37,7 +38,8 @@ pub enum ModalError {
     },
     /// The positions do not distinguish the modes.
     #[error(
-        "{coordinates} positions cannot tell {modes} modes apart (smallest over largest singular value of the shapes: {ratio:.1e})"
+        "{coordinates} positions cannot tell {modes} modes apart (smallest over largest singular value of the shapes: \
+         {ratio:.1e})"
     )]
     DependentShapes {
         /// Number of positions.
@@ -55,7 +57,8 @@ pub enum ModalError {
     },
     /// The series of a time history have different lengths, or too few entries.
     #[error(
-        "a time history needs at least {needed} samples and series of equal length; found {time} instants, {displacement} displacements, {velocity} velocities, {force} forces"
+        "a time history needs at least {needed} samples and series of equal length; found {time} instants, \
+         {displacement} displacements, {velocity} velocities, {force} forces"
     )]
     HistoryLength {
         /// Samples that are needed.

@@ -43,7 +43,8 @@ pub enum ModelError {
     },
     /// A degree of freedom has a negative mass: moving alone it would have a negative kinetic energy.
     #[error(
-        "the mass matrix has {value:e} on its diagonal, at degree of freedom {dof} ({kind} of node {node} at {position} m); no mass is negative",
+        "the mass matrix has {value:e} on its diagonal, at degree of freedom {dof} ({kind} of node {node} at \
+         {position} m); no mass is negative",
         kind = .kind.name()
     )]
     NegativeMass {
@@ -61,7 +62,8 @@ pub enum ModelError {
     /// Two degrees of freedom are coupled by more mass than they have: some motion of these two has a negative kinetic
     /// energy.
     #[error(
-        "the mass matrix has {value:e} between degrees of freedom {row} and {column}, beside {most:e} at most for a mass that is nowhere \
+        "the mass matrix has {value:e} between degrees of freedom {row} and {column}, beside {most:e} at most for a \
+         mass that is nowhere \
          negative (the root of the product of their diagonal entries)"
     )]
     CoupledMass {
@@ -102,7 +104,8 @@ pub enum ModelError {
     /// A contact whose direction involves several degrees of freedom, where the partition into contact nodes and the
     /// rest requires a single one.
     #[error(
-        "contact {contact} acts on {dofs} degree(s) of freedom in a direction of its own: the held-modes reduction needs contacts at \
+        "contact {contact} acts on {dofs} degree(s) of freedom in a direction of its own: the held-modes reduction \
+         needs contacts at \
          single degrees of freedom; use open modes"
     )]
     NotASingleDof {
@@ -113,12 +116,14 @@ pub enum ModelError {
     },
     /// The positions of a structure in space are unknown, and so are its rigid-body motions.
     #[error(
-        "the structure is one in space, but the places of its nodes are not known: the held-modes reduction cannot tell whether it floats"
+        "the structure is one in space, but the places of its nodes are not known: the held-modes reduction cannot \
+         tell whether it floats"
     )]
     PlacesUnknown,
     /// A rule that moves mass along an axis, for a structure that has none.
     #[error(
-        "the mass redistribution '{rule}' is one for straight structures; contact degree of freedom {dof} is one in space"
+        "the mass redistribution '{rule}' is one for straight structures; contact degree of freedom {dof} is one in \
+         space"
     )]
     StraightOnly {
         /// Name of the rule.
@@ -166,7 +171,8 @@ pub enum ModelError {
     },
     /// Not enough neighbours can take the mass of a contact.
     #[error(
-        "the mass of the {kind} contact at {position} m cannot be moved: its {found} free, massive neighbours are too few or too light",
+        "the mass of the {kind} contact at {position} m cannot be moved: its {found} free, massive neighbours are too \
+         few or too light",
         kind = .kind.name()
     )]
     TooFewNeighbours {
@@ -180,7 +186,8 @@ pub enum ModelError {
         found: usize,
     },
     /// Moving the mass of the contacts makes the remaining mass matrix indefinite.
-    #[error("moving the mass of the contacts leaves a mass matrix that is not positive definite, at the {kind} of {position} m", kind = .kind.name())]
+    #[error("moving the mass of the contacts leaves a mass matrix that is not positive definite, at the {kind} of \
+        {position} m", kind = .kind.name())]
     IndefiniteMass {
         /// Degree of freedom at which the factorisation stopped.
         dof: usize,
@@ -209,7 +216,8 @@ pub enum ModelError {
         below: f64,
     },
     /// More frequencies are imposed than there are modes.
-    #[error("frequencies of {wanted} modes are wanted, but the structure has {found} {} with motion of the kind '{kind}'", if *.found == 1 { "mode" } else { "modes" }, kind = .kind.name())]
+    #[error("frequencies of {wanted} modes are wanted, but the structure has {found} {} with motion of the kind \
+        '{kind}'", if *.found == 1 { "mode" } else { "modes" }, kind = .kind.name())]
     TooManyImposed {
         /// Frequencies.
         wanted: usize,
@@ -220,7 +228,8 @@ pub enum ModelError {
     },
     /// The last imposed frequency exceeds that of the next mode, which is kept: their numbers would be exchanged.
     #[error(
-        "the last imposed frequency, {imposed} Hz, is not below the next mode, which keeps its {next} Hz: impose one on that mode too",
+        "the last imposed frequency, {imposed} Hz, is not below the next mode, which keeps its {next} Hz: impose one \
+         on that mode too",
         imposed = hertz(*.imposed), next = hertz(*.next)
     )]
     ImposedAboveNext {
@@ -237,7 +246,8 @@ pub enum ModelError {
     },
     /// Too many degrees of freedom for imposed frequencies.
     #[error(
-        "imposed frequencies couple all degrees of freedom that their modes move: {dofs} of them, {limit} at most; take fewer elements"
+        "imposed frequencies couple all degrees of freedom that their modes move: {dofs} of them, {limit} at most; \
+         take fewer elements"
     )]
     ImposedSize {
         /// Degrees of freedom that the modes move.

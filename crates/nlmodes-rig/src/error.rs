@@ -47,7 +47,8 @@ pub enum RigError {
     },
     /// A rigid stop needs the static flexibility of its point.
     #[error(
-        "a rigid stop needs the residual flexibility of the modes that were left out (m/N) to be positive, not {residual}: \
+        "a rigid stop needs the residual flexibility of the modes that were left out (m/N) to be positive, not \
+         {residual}: \
          without it the contact node would have mass, and an impact law would be needed"
     )]
     RigidStopWithoutFlexibility {
@@ -83,7 +84,8 @@ pub enum RigError {
     },
     /// The angle of the drive in one integration step is too large to be represented.
     #[error(
-        "the drive turns by {angle} rad in one integration step, at most {limit} rad: sample faster or drive more slowly"
+        "the drive turns by {angle} rad in one integration step, at most {limit} rad: sample faster or drive more \
+         slowly"
     )]
     DriveTooFast {
         /// Angle `ω h`, rad.

@@ -71,7 +71,8 @@ impl fmt::Display for Finding {
             Self::HarmonicLimit { harmonic } => {
                 write!(
                     f,
-                    "harmonic {harmonic} of the force would have to be larger than the fundamental: the drive point hardly moves in it"
+                    "harmonic {harmonic} of the force would have to be larger than the fundamental: the drive point \
+                     hardly moves in it"
                 )
             }
             Self::FrequencyLimit { omega } => {

@@ -10,7 +10,8 @@ use thiserror::Error;
 pub enum TimestepError {
     /// Too many degrees of freedom for dense matrices.
     #[error(
-        "{found} degrees of freedom: exact integration keeps all modes of each set of closed contacts and takes at most {most}"
+        "{found} degrees of freedom: exact integration keeps all modes of each set of closed contacts and takes at \
+         most {most}"
     )]
     TooLarge {
         /// Degrees of freedom of the structure.

@@ -197,7 +197,8 @@ fn schema_is_json_and_knows_each_key() -> Outcome {
         ("/properties/contact/items", "at_m direction side gap_m"),
         (
             "/properties/method/anyOf/0",
-            "kind mode harmonics switching samples mass_redistribution contact_solver contact_stiffness_n_m symmetry held_modes",
+            "kind mode harmonics switching samples mass_redistribution contact_solver contact_stiffness_n_m symmetry \
+             held_modes",
         ),
         ("/properties/continuation", "max_energy_ratio frequency_hz max_points start_frequency_hz direction"),
         ("/properties/output", "directory"),

@@ -272,8 +272,10 @@ fn a_structure_gives_the_linear_modes_at_the_sensors() -> Outcome {
     let folder = tempfile::tempdir()?;
     let mut record = Record::new("r", 1000.0);
     let mut scene = format!(
-        "[recording]\nfiles = [\"r.csv\"]\ntime_column = \"time_s\"\n\n[structure]\nkind = \"beam\"\nlength_m = {length}\nelements = 30\nstart = \"clamped\"\n\
-         [structure.material]\nyoungs_modulus_pa = {modulus}\ndensity_kg_m3 = {density}\n[structure.section]\nwidth_m = {width}\nheight_m = {height}\n"
+        "[recording]\nfiles = [\"r.csv\"]\ntime_column = \"time_s\"\n\n[structure]\nkind = \"beam\"\nlength_m = \
+         {length}\nelements = 30\nstart = \"clamped\"\n\
+         [structure.material]\nyoungs_modulus_pa = {modulus}\ndensity_kg_m3 = {density}\n[structure.section]\nwidth_m \
+         = {width}\nheight_m = {height}\n"
     );
     for (i, x) in positions.into_iter().enumerate() {
         let size = amplitude * cantilever(x / length, mass);

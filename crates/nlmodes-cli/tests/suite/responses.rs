@@ -197,7 +197,8 @@ fn templates_and_scenes_that_come_along_are_sound() -> Outcome {
 fn a_curve_that_ends_early_is_said_and_the_rest_is_there() -> Outcome {
     let folder = tempdir()?;
     let text = format!(
-        "{ROD}\n[response]\nkind = \"frequency\"\nfrequency_hz = [0.3, 0.6]\nlevels_n = [0.2]\n[continuation]\nmax_points = 20\n"
+        "{ROD}\n[response]\nkind = \"frequency\"\nfrequency_hz = [0.3, 0.6]\nlevels_n = \
+         [0.2]\n[continuation]\nmax_points = 20\n"
     );
     let output = run(folder.path(), &text, &["--set", "method.harmonics=5"])?;
     assert_eq!(output.status.code(), Some(1), "{}", said(&output));

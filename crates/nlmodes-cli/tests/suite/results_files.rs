@@ -202,11 +202,13 @@ fn scipy_reads_the_matlab_file_as_the_tables_are() -> Outcome {
     let (_folder, out, _) = run(&["output.matlab=true"])?;
     let python = std::env::var("NLMODES_PYTHON").unwrap_or_else(|_| "python3".into());
     let script = "import sys, csv, numpy as n; from scipy.io import loadmat; o = sys.argv[1] + '/'\n\
-        m = loadmat(o + 'results.mat', simplify_cells=True); h = n.load(o + 'harmonics.npz'); t = n.load(o + 'histories.npz')\n\
+        m = loadmat(o + 'results.mat', simplify_cells=True); h = n.load(o + 'harmonics.npz'); t = n.load(o + \
+        'histories.npz')\n\
         rows = list(csv.DictReader(open(o + 'branch.csv'))); stops = list(csv.DictReader(open(o + 'contacts.csv')))\n\
         for key, values in m['branch'].items():\n\
         \x20 if key == 'event': assert [str(v) if len(v) else '' for v in values] == [r[key] for r in rows], values\n\
-        \x20 elif key == 'stable': assert all(n.isnan(v) or r[key] == ('true' if v else 'false') for v, r in zip(values, rows))\n\
+        \x20 elif key == 'stable': assert all(n.isnan(v) or r[key] == ('true' if v else 'false') for v, r in \
+        zip(values, rows))\n\
         \x20 else: assert all((n.isnan(v) and r[key] == '') or v == float(r[key]) for v, r in zip(values, rows)), key\n\
         for key, values in m['contacts'].items():\n\
         \x20 assert list(values.ravel()) == [float(r[key]) for r in stops], key\n\

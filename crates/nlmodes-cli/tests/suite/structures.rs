@@ -188,7 +188,8 @@ fn two_structures_that_face_each_other_are_one_before_a_wall_at_half_the_gap() -
     };
     let rest = |modes: usize| {
         format!(
-            "[reduction]\nkind = \"open-modes\"\nmodes = {modes}\n{METHOD}[continuation]\nmax_energy_ratio = 3.0\n[output]\nstability = \"never\"\n"
+            "[reduction]\nkind = \"open-modes\"\nmodes = {modes}\n{METHOD}[continuation]\nmax_energy_ratio = \
+             3.0\n[output]\nstability = \"never\"\n"
         )
     };
     let first = rod("[structure]", "start = \"clamped\"");
@@ -253,7 +254,8 @@ fn stops_that_dissipate_do_so_for_a_rod_from_files_as_for_one_of_elements() -> O
     let stop = "gap_m = 1e-4\nstiffness_n_m = 2e7\n";
     let rest = "[reduction]\nkind = \"open-modes\"\nmodes = 10\n[damping]\nratio = 0.004\n\
                 [[response]]\nkind = \"damped-mode\"\n[method]\nharmonics = 3\n\
-                [continuation]\nmax_energy_ratio = 3.0\n[output]\nstability = \"never\"\nfigures = false\npage = false\n";
+                [continuation]\nmax_energy_ratio = 3.0\n[output]\nstability = \"never\"\nfigures = false\npage = \
+                false\n";
     let rod_text = |damper: &str| {
         format!(
             "[structure]\nkind = \"rod\"\nlength_m = 1.0\nelements = 12\nstart = \"clamped\"\n\
@@ -276,7 +278,8 @@ fn stops_that_dissipate_do_so_for_a_rod_from_files_as_for_one_of_elements() -> O
         fs::write(at("k.mtx"), matrix_market(&scaled(&k, by)))?;
         fs::write(at("m.mtx"), matrix_market(&scaled(&m, by)))?;
         let text = format!(
-            "[structure]\nkind = \"matrices\"\nstiffness = \"k.mtx\"\nmass = \"m.mtx\"\ndofs = \"dofs.csv\"\nunits = \"{units}\"\n\
+            "[structure]\nkind = \"matrices\"\nstiffness = \"k.mtx\"\nmass = \"m.mtx\"\ndofs = \"dofs.csv\"\nunits \
+             = \"{units}\"\n\
              [[contact]]\n{node}\nnormal = [1.0, 0.0, 0.0]\n{stop}{damper}{rest}"
         );
         fs::write(at("files.toml"), text)?;

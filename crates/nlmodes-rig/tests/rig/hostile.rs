@@ -86,7 +86,8 @@ proptest! {
             }
             let (force, acceleration) = (rig.read(2).unwrap(), rig.read(1).unwrap());
             // For unphysical stiffness the difference of displacement and gap has no digits left.
-            prop_assert!(level.abs() > 1e6 || force >= -1e-9 * (1.0 + acceleration.abs()), "contact pulls by {} N", force);
+            prop_assert!(level.abs() > 1e6 || force >= -1e-9 * (1.0 + acceleration.abs()), "contact pulls by {} \
+                N", force);
         }
     }
 }

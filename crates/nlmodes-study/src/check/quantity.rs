@@ -9,7 +9,8 @@ use crate::curve::{ENERGY_RATIO, has_numbers};
 use crate::raw::RawQuantity;
 use crate::study::{Place, Quantity};
 
-const EXPECTED: &str = "expected { energy_ratio = 2.0 }, { column = value }, \"first\", \"last\", \"max\", \"min\" or the name of an event";
+const EXPECTED: &str = "expected { energy_ratio = 2.0 }, { column = value }, \"first\", \"last\", \"max\", \"min\" or \
+    the name of an event";
 /// The quantities of all tables.
 pub fn quantities(raw: &[RawQuantity], diagnostics: &mut Diagnostics<'_>) -> Vec<Quantity> {
     raw.iter().enumerate().filter_map(|(k, raw)| quantity(raw, k, diagnostics)).collect()

@@ -27,8 +27,10 @@ fn octave_draws_the_branch_and_the_forces_that_the_tables_have() -> Outcome {
     let (_folder, out, _) = run(&["output.matlab=true"])?;
     let told = out.join("told.txt");
     let script = format!(
-        "{quiet} addpath('{}'); plot_results('{}'); f = fopen('{}', 'w'); for n = 1:2, l = findobj(figure(n), 'type', 'line'); \
-         for k = 1:numel(l), x = get(l(k), 'xdata'); y = get(l(k), 'ydata'); fprintf(f, '%d %d %.17g %.17g\\n', n, numel(x), sum(x), max(y)); end; end; \
+        "{quiet} addpath('{}'); plot_results('{}'); f = fopen('{}', 'w'); for n = 1:2, l = findobj(figure(n), 'type', \
+         'line'); \
+         for k = 1:numel(l), x = get(l(k), 'xdata'); y = get(l(k), 'ydata'); fprintf(f, '%d %d %.17g %.17g\\n', n, \
+         numel(x), sum(x), max(y)); end; end; \
          fclose(f);",
         scripts().display(),
         out.join("results.mat").display(),

@@ -159,22 +159,26 @@ fn what_looks_wrong_is_warned_of() -> Outcome {
         (
             SI,
             format!("{PAIRS}gap_m = 4e-4"),
-            "`contact.0.gap_m` has a gap of 0.0004 m, but in the mesh node 16 is 0.0003 m from node 104 along the normal (all 4 pairs differ so)",
+            "`contact.0.gap_m` has a gap of 0.0004 m, but in the mesh node 16 is 0.0003 m from node 104 along the \
+             normal (all 4 pairs differ so)",
         ),
         (
             "units = \"mm-t-s\"",
             wall.clone(),
-            "`structure.units` mm-t-s gives a density of 6.54e15 kg/m³ (39.2 kg that can move, 6e-15 m³ of the mesh), which no material has: in m-kg-s it would be plausible",
+            "`structure.units` mm-t-s gives a density of 6.54e15 kg/m³ (39.2 kg that can move, 6e-15 m³ of the mesh), \
+             which no material has: in m-kg-s it would be plausible",
         ),
         (
             "units = \"m-kg-s\"\nmesh = \"small.inp\"",
             wall.clone(),
-            "`structure.mesh` does not look like the mesh of the matrices: 12 of 24 nodes of the matrices are not in it;",
+            "`structure.mesh` does not look like the mesh of the matrices: 12 of 24 nodes of the matrices are not in \
+             it;",
         ),
         (
             "units = \"m-kg-s\"\nmesh = \"large.inp\"",
             wall.clone(),
-            "`structure.mesh` does not look like the mesh of the matrices: 15 of its 21 elements have no node with a row;",
+            "`structure.mesh` does not look like the mesh of the matrices: 15 of its 21 elements have no node with a \
+             row;",
         ),
         (
             "units = \"m-kg-s\"\nmesh = \"other.inp\"",
@@ -194,7 +198,8 @@ fn what_looks_wrong_is_warned_of() -> Outcome {
 fn a_wall_behind_the_nodes_presses() -> Outcome {
     // The vibrating parts then have no contact: the other row, and the first one transversely.
     let (_, errors, _) = checked(SI, &format!("{TIP}wall_point_m = [0.0298, 0.0, 0.0]"))?;
-    let says = "`contact.0.wall_point_m` has a negative gap at all 4 nodes: at rest the structure is pressed against this stop, which stands up to 0.0002 m";
+    let says = "`contact.0.wall_point_m` has a negative gap at all 4 nodes: at rest the structure is pressed against \
+        this stop, which stands up to 0.0002 m";
     assert!(errors.contains(says), "{errors}");
     Ok(())
 }

@@ -118,7 +118,8 @@ fn a_missing_support_and_a_buckled_structure_are_named() -> Outcome {
     let (k, m) = free_rod(12);
     let rows: Vec<(usize, &str)> = along_x(0, 13).into_iter().chain((100..113).map(|node| (node, "uy"))).collect();
     let said = said_of((&beside(&k, &k), &beside(&m, &m)), &rows)?;
-    let says = "the structure can move as a rigid body: 2 modes strain nothing, and holding all contacts leaves 1 of these motions";
+    let says = "the structure can move as a rigid body: 2 modes strain nothing, and holding all contacts leaves 1 of \
+        these motions";
     assert!(said.contains(says) && said.contains("a support is missing"), "{said}");
     // K − σ M with σ above the square of the first frequency, (π/2)² EA/m.
     let (mut k, m) = rod(12);
