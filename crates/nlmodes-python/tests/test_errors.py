@@ -12,14 +12,14 @@ from nlmodes import contact, continuation, experiment
 def test_a_mistake_has_its_key_line_and_help(rod, tmp_path):
     from nlmodes import _native
 
-    text = _native.toml_of(rod).replace("gap_m", "gap_inch")
+    text = _native.toml_of(rod).replace("gap_m", "gap_in")
     path = tmp_path / "slip.toml"
     path.write_text(text)
     with pytest.raises(nlmodes.SceneError) as raised:
         nlmodes.run(path)
     error = raised.value
-    line = 1 + next(k for k, line in enumerate(text.splitlines()) if "gap_inch" in line)
-    assert "contact.0.gap_inch" in {mistake.key for mistake in error.mistakes}
+    line = 1 + next(k for k, line in enumerate(text.splitlines()) if "gap_in" in line)
+    assert "contact.0.gap_in" in {mistake.key for mistake in error.mistakes}
     assert line in {mistake.line for mistake in error.mistakes}
     assert "did you mean `gap_m`?" in str(error) and f"{path}:{line}" in str(error)
     again = pickle.loads(pickle.dumps(error))
