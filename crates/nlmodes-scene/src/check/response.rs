@@ -134,14 +134,14 @@ fn response(
     places: &Places<'_>,
     diagnostics: &mut Diagnostics<'_>,
 ) -> Option<Response> {
-    let kind = raw.kind;
+    let kind = raw.response.kind;
     let is_mode = !kind.is_forced();
     let is_sound = [
         has_damping(i, kind, scene, places, diagnostics),
         has_frequency(i, raw, kind, diagnostics),
         has_load(i, kind, scene, is_mode, diagnostics),
     ];
-    uses_its_keys(i, raw, kind, diagnostics);
+    uses_its_keys(i, kind, diagnostics);
     let levels = if is_mode { Some(Vec::new()) } else { levels(i, raw, scene, diagnostics) };
     let base = format!("response.{i}.drive");
     let drive = if raw.drive_m.is_some() || raw.drive_node.is_some() {
@@ -155,15 +155,7 @@ fn response(
     if is_sound.contains(&false) {
         return None;
     }
-    Some(Response {
-        kind,
-        frequency_hz: raw.frequency_hz.clone().unwrap_or_default(),
-        levels: levels?,
-        drive,
-        lag_deg: raw.lag_deg.unwrap_or(90.0),
-        subharmonic: raw.subharmonic.unwrap_or(1) as usize,
-        controlled_harmonics: raw.controlled_harmonics.unwrap_or(1) as usize,
-    })
+    Some(Response { levels: levels?, drive, ..raw.response.clone() })
 }
 
 fn has_damping(
@@ -189,7 +181,7 @@ fn has_damping(
 /// The frequency or the window that the kind needs.
 fn has_frequency(i: usize, raw: &RawResponse, kind: ResponseKind, diagnostics: &mut Diagnostics<'_>) -> bool {
     let path = |key: &str| format!("response.{i}.{key}");
-    let given = raw.frequency_hz.as_deref().unwrap_or_default();
+    let given = raw.response.frequency_hz.as_slice();
     let wanted = if kind == ResponseKind::Force { 1 } else { 2 };
     let is_needed = matches!(kind, ResponseKind::Force | ResponseKind::Frequency);
     let expected = match wanted {
@@ -240,28 +232,22 @@ fn has_load(
 }
 
 /// Keys that belong to another kind of response have no effect.
-fn uses_its_keys(i: usize, raw: &RawResponse, kind: ResponseKind, diagnostics: &mut Diagnostics<'_>) {
-    let is_mode = !kind.is_forced();
+fn uses_its_keys(i: usize, kind: ResponseKind, diagnostics: &mut Diagnostics<'_>) {
+    let is_forced = kind.is_forced();
     let keys = [
-        ("lag_deg", raw.lag_deg.is_some() && kind != ResponseKind::PhaseResonance, "phase-resonance"),
-        (
-            "controlled_harmonics",
-            raw.controlled_harmonics.is_some() && kind != ResponseKind::Appropriation,
-            "appropriation",
-        ),
-        ("levels_n", raw.levels_n.is_some() && is_mode, "frequency"),
-        ("levels_m_s2", raw.levels_m_s2.is_some() && is_mode, "frequency"),
-        ("levels_m", raw.levels_m.is_some() && is_mode, "frequency"),
-        ("subharmonic", raw.subharmonic.is_some() && is_mode, "frequency"),
+        ("lag_deg", kind == ResponseKind::PhaseResonance, "phase-resonance"),
+        ("controlled_harmonics", kind == ResponseKind::Appropriation, "appropriation"),
+        ("levels_n", is_forced, "frequency"),
+        ("levels_m_s2", is_forced, "frequency"),
+        ("levels_m", is_forced, "frequency"),
+        ("subharmonic", is_forced, "frequency"),
     ];
-    for (key, _, other) in keys.into_iter().filter(|(_, unused, _)| *unused) {
+    for (key, _, other) in keys.into_iter().filter(|(_, is_used, _)| !is_used) {
         let path = format!("response.{i}.{key}");
-        let diagnostic = Diagnostic::warning(format!("`{path}` has no effect"));
-        diagnostics.put(
-            &path,
-            diagnostic,
-            format!("a response of kind \"{other}\" uses it, \"{}\" does not", kind.name()),
-        );
+        if diagnostics.has(&path) {
+            let label = format!("a response of kind \"{other}\" uses it, \"{}\" does not", kind.name());
+            diagnostics.put(&path, Diagnostic::warning(format!("`{path}` has no effect")), label);
+        }
     }
 }
 

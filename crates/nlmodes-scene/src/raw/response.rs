@@ -2,7 +2,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 
 use super::MAX_BODIES;
-use crate::scene::{Direction, ResponseKind, StopOfBase};
+use crate::scene::{Direction, Response, StopOfBase};
 
 /// Damping of the structure with its contacts open: one of `ratio`, `ratios`, `rayleigh`, and dashpots beside it or
 /// alone. Of several structures each has this one where it has none of its own.
@@ -124,27 +124,12 @@ pub struct RawBaseMotion {
     pub stop: Option<StopOfBase>,
 }
 
-/// A number, or a list of them; a single one is read as a list.
-fn one_or_two_frequencies(_: &mut SchemaGenerator) -> Schema {
-    json_schema!({
-        "type": ["number", "array"],
-        "exclusiveMinimum": 0.0,
-        "items": { "type": "number", "exclusiveMinimum": 0.0 },
-        "minItems": 1,
-        "maxItems": 2,
-        "unit": "Hz",
-    })
-}
-
 /// A curve of damped or forced motions; several stand under headings `[[response]]`.
 #[derive(Debug, Deserialize, JsonSchema)]
 pub struct RawResponse {
-    /// What is followed
-    pub kind: ResponseKind,
-    /// Window [lowest, highest] of the frequency of the load, or of a mode; with kind = "force" the one frequency
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(schema_with = "one_or_two_frequencies")]
-    pub frequency_hz: Option<Vec<f64>>,
+    /// What is followed, and how
+    #[serde(flatten)]
+    pub response: Response,
     /// Amplitudes of the first force: a curve for each with kind = "frequency", else the largest ends the curve;
     /// default `amplitude_n`
     #[schemars(length(min = 1, max = 100), extend("unit" = "N"), inner(range(min = 1e-30)))]
@@ -167,13 +152,4 @@ pub struct RawResponse {
     #[serde(default)]
     #[schemars(schema_with = "word_or_vector")]
     pub drive_direction: Option<RawDirection>,
-    /// Angle by which the drive point lags the load at phase resonance
-    #[schemars(extend("unit" = "deg", "default" = 90.0, "exclusiveMinimum" = 0.0, "exclusiveMaximum" = 180.0))]
-    pub lag_deg: Option<f64>,
-    /// Periods of the load in one of the motion
-    #[schemars(range(min = 1, max = 20), extend("default" = 1))]
-    pub subharmonic: Option<u32>,
-    /// Harmonics of the force that appropriation controls
-    #[schemars(range(min = 1, max = 1000), extend("default" = 1))]
-    pub controlled_harmonics: Option<u32>,
 }

@@ -1,5 +1,6 @@
 //! Damped and forced motions of a scene.
 
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 
 use super::{Direction, ResponseKind, StopOfBase, is_first};
@@ -99,26 +100,55 @@ pub struct BaseMotion {
     pub stop: StopOfBase,
 }
 
-/// A curve of damped or forced motions, or one for each level.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// A curve of damped or forced motions, or one for each level; several stand under headings `[[response]]`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Response {
-    /// What is followed.
+    /// What is followed
     pub kind: ResponseKind,
-    /// One frequency or a window, Hz; empty if not given.
+    /// Window [lowest, highest] of the frequency of the load, or of a mode; with kind = "force" the one frequency
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(schema_with = "one_or_two_frequencies")]
     pub frequency_hz: Vec<f64>,
     /// Levels in the unit of the load; empty for modes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(skip)]
     pub levels: Vec<f64>,
     /// The drive point, if given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(skip)]
     pub drive: Option<Place>,
-    /// Lag at phase resonance, degrees.
+    /// Angle by which the drive point lags the load at phase resonance
+    #[serde(default = "quarter_turn")]
+    #[schemars(extend("unit" = "deg", "exclusiveMinimum" = 0.0, "exclusiveMaximum" = 180.0))]
     pub lag_deg: f64,
-    /// Periods of the load in one of the motion.
+    /// Periods of the load in one of the motion
+    #[serde(default = "one")]
+    #[schemars(range(min = 1, max = 20))]
     pub subharmonic: usize,
-    /// Harmonics of the force of appropriation.
+    /// Harmonics of the force that appropriation controls
+    #[serde(default = "one")]
+    #[schemars(range(min = 1, max = 1000))]
     pub controlled_harmonics: usize,
+}
+
+/// A number, or a list of them; a single one is read as a list.
+fn one_or_two_frequencies(_: &mut SchemaGenerator) -> Schema {
+    json_schema!({
+        "type": ["number", "array"],
+        "exclusiveMinimum": 0.0,
+        "items": { "type": "number", "exclusiveMinimum": 0.0 },
+        "minItems": 1,
+        "maxItems": 2,
+        "unit": "Hz",
+    })
+}
+
+fn quarter_turn() -> f64 {
+    90.0
+}
+
+fn one() -> usize {
+    1
 }
 
 impl ResponseKind {
