@@ -28,6 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             tip: 3,
             gap: 1e-3,
             stiffness: 2e5,
+            exponent: 1.0,
             force,
             sample_rate: 8000.0,
             noise: 2e-4,

@@ -45,14 +45,23 @@ impl ContactStiffness {
     /// As [`contact_intervals`]; [`ModalError::NoPenetration`] if force and displacement do not increase together, as
     /// at a rigid stop.
     pub fn of(history: &TimeHistory) -> Result<Self, ModalError> {
-        let intervals = contact_intervals(history)?;
-        let side = if history.stop < 0.0 { -1.0 } else { 1.0 };
         let peak = history.force.iter().copied().fold(0.0, f64::max);
         let least = closed_force(&history.force).max(PEAK_SHARE * peak);
+        Self::of_pressed(history, |j| history.force[j] > least)
+    }
+
+    /// The same from the samples in contact that are `pressed`. To choose them by the noisy force itself makes the line
+    /// too flat; a mean of many periods does not.
+    ///
+    /// # Errors
+    /// As [`of`](Self::of).
+    pub fn of_pressed(history: &TimeHistory, pressed: impl Fn(usize) -> bool) -> Result<Self, ModalError> {
+        let intervals = contact_intervals(history)?;
+        let side = if history.stop < 0.0 { -1.0 } else { 1.0 };
         // Displacements relative to the stop keep the sums well conditioned.
         let origin = history.stop;
         let groups: Vec<Moments> =
-            intervals.iter().map(|interval| moments(history, interval, least, side, origin)).collect();
+            intervals.iter().map(|interval| moments(history, interval, &pressed, side, origin)).collect();
         let all = groups.iter().fold(Moments::default(), |sum, group| sum.plus(group, 1.0));
         let ratio = noise_ratio(history);
         let span = (all.variance().0.max(0.0) * 12.0).sqrt();
@@ -73,8 +82,14 @@ impl ContactStiffness {
     }
 }
 
-fn moments(history: &TimeHistory, interval: &ContactInterval, least: f64, side: f64, origin: f64) -> Moments {
-    let samples = (interval.first..=interval.last).filter(|j| history.force[*j] > least);
+fn moments(
+    history: &TimeHistory,
+    interval: &ContactInterval,
+    pressed: impl Fn(usize) -> bool,
+    side: f64,
+    origin: f64,
+) -> Moments {
+    let samples = (interval.first..=interval.last).filter(|j| pressed(*j));
     let points = samples.map(|j| (side * (history.displacement[j] - origin), history.force[j]));
     points.fold(Moments::default(), |sum, (x, f)| {
         sum.plus(&Moments { n: 1.0, x, f, xx: x * x, xf: x * f, ff: f * f }, 1.0)

@@ -55,13 +55,28 @@ impl Restitution {
     /// # Errors
     /// As [`contact_intervals`]; [`ModalError::NoContact`] also if there is no impact with approach.
     pub fn of(history: &TimeHistory) -> Result<Self, ModalError> {
+        Self::with(history, VELOCITY_SAMPLES, 0)
+    }
+
+    /// The same before a stop that yields, where contacts last many samples: the velocity does not jump, so that at an
+    /// instant it is that of a straight line through the two samples on either side of it.
+    ///
+    /// # Errors
+    /// As [`of`](Self::of).
+    pub fn of_yielding(history: &TimeHistory) -> Result<Self, ModalError> {
+        Self::with(history, VELOCITY_SAMPLES / 2, VELOCITY_SAMPLES / 2)
+    }
+
+    /// From so many samples outside and within the contact.
+    fn with(history: &TimeHistory, outside: usize, within: usize) -> Result<Self, ModalError> {
         let side = if history.stop < 0.0 { -1.0 } else { 1.0 };
         let intervals = contact_intervals(history)?;
         let impact = |(i, interval): (usize, &ContactInterval)| {
             let from = i.checked_sub(1).map_or(0, |before| intervals[before].last + 1);
             let to = intervals.get(i + 1).map_or(history.time.len(), |after| after.first);
-            let before = from.max(interval.first.saturating_sub(VELOCITY_SAMPLES))..interval.first;
-            let after = interval.last + 1..to.min(interval.last + 1 + VELOCITY_SAMPLES);
+            let length = interval.last + 1 - interval.first;
+            let before = from.max(interval.first.saturating_sub(outside))..interval.first + within.min(length);
+            let after = interval.last + 1 - within.min(length)..to.min(interval.last + 1 + outside);
             let approach = side * line_at(history, before, interval.touching)?;
             let departure = -side * line_at(history, after, interval.leaving)?;
             (approach > 0.0).then_some(Impact { interval: *interval, approach, departure })

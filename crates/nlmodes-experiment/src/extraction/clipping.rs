@@ -6,6 +6,10 @@ use crate::records::Channel;
 /// A run of equal samples at an extreme counts as clipped from this share of a period on: a sine clipped by one part in
 /// a thousand.
 const PLATEAU: f64 = 0.014;
+/// Factor on the time for which a coarse converter holds the top of a sine.
+const COARSE: f64 = 2.0;
+/// Fewest steps of a converter.
+const FEWEST_STEPS: usize = 8;
 /// Fewest samples of such a run.
 const SHORTEST: usize = 4;
 
@@ -26,9 +30,11 @@ pub fn check(channel: &Channel, samples: &[f64], samples_per_period: f64, findin
         }
         return;
     }
-    let longest = ((PLATEAU * samples_per_period) as usize).max(SHORTEST);
     let low = samples.iter().copied().fold(f64::INFINITY, f64::min);
     let high = samples.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    // A coarse converter holds the top of a sine of half the range for `√(2 step/A)/π` of a period.
+    let coarse = COARSE * (4.0 * step(samples) / (high - low)).sqrt() / std::f64::consts::PI;
+    let longest = ((PLATEAU.max(coarse) * samples_per_period) as usize).max(SHORTEST);
     for limit in [low, high] {
         // A force that rests at zero is open, not clipped; a constant signal has other troubles.
         let at_limit = if limit == 0.0 || low == high { 0 } else { in_runs(samples, limit, longest) };
@@ -36,6 +42,18 @@ pub fn check(channel: &Channel, samples: &[f64], samples_per_period: f64, findin
             findings.push(Finding::Clipped { channel: name(), samples: at_limit, limit });
         }
     }
+}
+
+/// Smallest difference between values that differ, where there are few of them: the step of a coarse converter; else
+/// zero.
+fn step(samples: &[f64]) -> f64 {
+    let mut sorted = samples.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let largest = sorted.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let steps: Vec<f64> =
+        sorted.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 1e-9 * largest).collect();
+    let is_coarse = steps.len() >= FEWEST_STEPS && 2 * steps.len() < samples.len();
+    steps.into_iter().reduce(f64::min).filter(|_| is_coarse).unwrap_or(0.0)
 }
 
 /// Samples that equal the limit, in runs of at least this length.
@@ -67,6 +85,22 @@ mod tests {
             matches!(found(0.99, None)[..], [Finding::Clipped { samples, limit, .. }] if samples > 200 && limit == 0.99)
         );
         assert!(matches!(found(0.99, Some([-1.5, 0.99]))[..], [Finding::Clipped { limit, .. }] if limit == 0.99));
+    }
+
+    /// A converter of 40 to 400 steps over the signal is coarse, not clipped; one that is clipped as well is.
+    #[test]
+    fn a_coarse_converter_is_not_clipped() {
+        let found = |steps: f64, limit: f64| {
+            let channel = Channel::new("x", Quantity::Displacement, Role::Response, None);
+            let wave = |j: u32| ((0.0126 * f64::from(j)).cos().min(limit) * 0.5 * steps).round() / steps;
+            let samples: Vec<f64> = (0..5000).map(wave).collect();
+            let mut findings = vec![];
+            check(&channel, &samples, std::f64::consts::TAU / 0.0126, &mut findings);
+            findings.len()
+        };
+        for steps in [40.0, 100.0, 400.0] {
+            assert_eq!((found(steps, 2.0), found(steps, 0.3)), (0, 1), "{steps}");
+        }
     }
 
     #[test]

@@ -2,11 +2,14 @@
 
 use num_complex::Complex64;
 
+use crate::extraction::loss::least_squares;
 use crate::extraction::measured::wrapped;
 use crate::extraction::{Finding, Tolerances};
 
 /// Standard errors that a drift must exceed to be told.
 const SIGNIFICANT: f64 = 5.0;
+/// Steps to the phase of a block.
+const STEPS: usize = 2;
 /// Share of the force's power from which on that of growth or decay is told.
 const SMALL: f64 = 0.1;
 
@@ -22,13 +25,16 @@ pub struct Drift {
     pub amplitude_change: (f64, f64),
     /// Rate at which the amplitude grows, 1/s, with its standard error.
     pub growth: (f64, f64),
+    /// Scatter about a smooth course from block to block, over the amplitude.
+    pub scatter: f64,
 }
 
 impl Drift {
-    /// Of the fundamentals of the blocks, at their instants (s), next to that of all. A single block tells nothing.
-    pub fn new(all: Complex64, single: &[Complex64], centres: &[f64]) -> Self {
-        let phases: Vec<f64> = single.iter().map(|q| wrapped((q / all).arg())).collect();
-        let sizes: Vec<f64> = single.iter().map(|q| (q / all).norm()).collect();
+    /// Of the harmonics (from the mean on) of the blocks, at their instants (s), next to those of all. A single block
+    /// tells nothing.
+    pub fn new(all: &[Complex64], single: &[&[Complex64]], centres: &[f64]) -> Self {
+        let phases: Vec<f64> = single.iter().map(|q| phase(all, q)).collect();
+        let sizes: Vec<f64> = single.iter().map(|q| (q[1] / all[1]).norm()).collect();
         let duration = match centres {
             [first, .., last] => (last - first) * centres.len() as f64 / (centres.len() - 1) as f64,
             _ => f64::NAN,
@@ -42,7 +48,8 @@ impl Drift {
         let logarithms: Vec<f64> = sizes.iter().map(|size| size.ln()).collect();
         let growth = fit(centres, &logarithms, |t| t / half);
         Self {
-            omega_error: line.1 / half,
+            scatter: scatter(&phases, &logarithms),
+            omega_error: line.1 / half * persistence(&phases),
             omega_change: (4.0 * bend.0 / half, 4.0 * bend.1 / half),
             amplitude_change: (2.0 * slope.0, 2.0 * slope.1),
             growth: (growth.0 / half, growth.1 / half),
@@ -51,14 +58,24 @@ impl Drift {
 
     /// Reports drifts that exceed tolerance and noise.
     pub fn report(&self, omega: f64, tolerances: &Tolerances, findings: &mut Vec<Finding>) {
-        let (change, error) = self.omega_change;
-        if change.abs() > (tolerances.frequency_drift * omega).max(SIGNIFICANT * error) {
+        if self.frequency_drifts(tolerances, omega) {
+            let change = self.omega_change.0;
             let change_hz = change / std::f64::consts::TAU;
             findings.push(Finding::FrequencyDrift { change_hz, relative: change / omega });
         }
         if self.amplitude_drifts(tolerances) {
             findings.push(Finding::AmplitudeDrift { relative: self.amplitude_change.0 });
         }
+    }
+
+    /// Whether frequency or amplitude drift beyond tolerance and noise.
+    pub fn is_drifting(&self, tolerances: &Tolerances, omega: f64) -> bool {
+        self.frequency_drifts(tolerances, omega) || self.amplitude_drifts(tolerances)
+    }
+
+    fn frequency_drifts(&self, tolerances: &Tolerances, omega: f64) -> bool {
+        let (change, error) = self.omega_change;
+        change.abs() > (tolerances.frequency_drift * omega).max(SIGNIFICANT * error)
     }
 
     fn amplitude_drifts(&self, tolerances: &Tolerances) -> bool {
@@ -79,6 +96,44 @@ impl Drift {
             });
         }
     }
+}
+
+/// Phase of the fundamental by which a block is behind all of them: that of all harmonics together, as the frequency is
+/// found by all of them.
+fn phase(all: &[Complex64], block: &[Complex64]) -> f64 {
+    let weight: f64 = all.iter().enumerate().map(|(n, q)| (n as f64).powi(2) * q.norm_sqr()).sum();
+    let mut phase = (block[1] / all[1]).arg();
+    for _ in 0..STEPS {
+        let term = |(n, (q, own)): (usize, (&Complex64, &Complex64))| {
+            n as f64 * (q.conj() * own * Complex64::cis(-(n as f64) * phase)).im
+        };
+        phase += all.iter().zip(block).enumerate().map(term).sum::<f64>() / weight;
+    }
+    wrapped(phase)
+}
+
+/// Root mean square that parabolas leave of phase and logarithm of the size; zero with too few blocks for that.
+fn scatter(phases: &[f64], logarithms: &[f64]) -> f64 {
+    let left = |values: &[f64]| {
+        let row = |(k, x): (usize, &f64)| (vec![1.0, k as f64, (k as f64).powi(2)], *x);
+        let rows: Vec<(Vec<f64>, f64)> = values.iter().enumerate().map(row).collect();
+        least_squares(&rows).map_or(0.0, |(_, _, left)| left)
+    };
+    left(phases).hypot(left(logarithms))
+}
+
+/// By how much the error of a slope is larger than that of independent values, where neighbours about the line are
+/// alike: by `√((1 + ρ)/(1 − ρ))` of their correlation ρ, as far as that is significant.
+fn persistence(values: &[f64]) -> f64 {
+    let row = |(k, x): (usize, &f64)| (vec![1.0, k as f64], *x);
+    let rows: Vec<(Vec<f64>, f64)> = values.iter().enumerate().map(row).collect();
+    let Some((line, ..)) = least_squares(&rows) else { return 1.0 };
+    let rest: Vec<f64> = rows.iter().map(|(row, x)| x - line[0] - line[1] * row[1]).collect();
+    let square: f64 = rest.iter().map(|x| x * x).sum();
+    let together: f64 = rest.windows(2).map(|pair| pair[0] * pair[1]).sum();
+    let n = values.len() as f64;
+    let correlation = (together / square).clamp(-0.99, 0.99);
+    if correlation > 2.0 / n.sqrt() { ((1.0 + correlation) / (1.0 - correlation)).sqrt() } else { 1.0 }
 }
 
 /// Factor of a shape in the values, beside line and mean where the shape is even, with its standard error; NaN with
@@ -118,18 +173,20 @@ mod tests {
         let centres: Vec<f64> = (0..20).map(|k| (f64::from(k) - 9.5) * 0.025).collect();
         let all = Complex64::new(0.3, -0.4);
         // Frequency 2 rad/s higher at the end of the half second than at its beginning; 1 % less amplitude.
-        let single: Vec<Complex64> = centres
+        let all = [Complex64::default(), all];
+        let single: Vec<[Complex64; 2]> = centres
             .iter()
-            .map(|t| all * Complex64::from_polar(1.0 - 0.01 * t / 0.5, 2.0 * t * t / (2.0 * 0.5)))
+            .map(|t| all.map(|q| q * Complex64::from_polar(1.0 - 0.01 * t / 0.5, 2.0 * t * t / (2.0 * 0.5))))
             .collect();
-        let drift = Drift::new(all, &single, &centres);
+        let single: Vec<&[Complex64]> = single.iter().map(|q| &q[..]).collect();
+        let drift = Drift::new(&all, &single, &centres);
         assert!((drift.omega_change.0 - 2.0).abs() < 1e-9, "{drift:?}");
         assert!((drift.amplitude_change.0 + 0.01).abs() < 1e-9, "{drift:?}");
         let mut findings = vec![];
         drift.report(250.0, &Tolerances::default(), &mut findings);
         let names: Vec<&str> = findings.iter().map(Finding::name).collect();
         assert_eq!(names, ["frequency-drift", "amplitude-drift"]);
-        Drift::new(all, &[all; 3], &centres[..3]).report(250.0, &Tolerances::default(), &mut findings);
+        Drift::new(&all, &[&all[..]; 3], &centres[..3]).report(250.0, &Tolerances::default(), &mut findings);
         assert_eq!(findings.len(), 2);
     }
 

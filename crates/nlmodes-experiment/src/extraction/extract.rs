@@ -12,13 +12,15 @@ use crate::extraction::{
     ExcitationFigures, ExtractionError, ExtractionSettings, Finding, HarmonicFit, Measured, RecordExtraction, clipping,
     quality, window,
 };
-use crate::records::Record;
+use crate::records::{Record, Role};
 
 /// Most harmonics that are fitted, and most that "all" means for the mode indicator, unless more are asked for: the
 /// time grows with their third power.
 const MAX_HARMONICS: usize = 1000;
 /// Lag at phase resonance, degrees.
 const RESONANCE_DEG: f64 = 90.0;
+/// Scatter of the fundamental from period to period, over its size, from which on a vibration has no frequency.
+const SCATTERED: f64 = 0.25;
 /// Standard errors by which the two frequencies must differ to be told.
 const SIGNIFICANT: f64 = 5.0;
 
@@ -38,12 +40,66 @@ pub fn extract(record: &Record, settings: &ExtractionSettings) -> Result<RecordE
     let mut findings = Vec::new();
     quality::missing(record, &mut findings);
     let usable = quality::usable(record, &mut findings);
-    let layout = Layout::new(record, &usable);
+    let found = analysed(record, settings, &usable, findings.clone())?;
+    let (rest, mut culprits) = without_culprits(record, &usable, &found);
+    if culprits.is_empty() {
+        return Ok(found);
+    }
+    let Ok(mut found) = analysed(record, settings, &rest, findings) else { return Ok(found) };
+    culprits.retain(|culprit| !found.findings.contains(culprit));
+    found.findings.extend(culprits);
+    Ok(found)
+}
+
+/// The analysis of the usable channels, with what was found before.
+fn analysed(
+    record: &Record,
+    settings: &ExtractionSettings,
+    usable: &[bool],
+    mut findings: Vec<Finding>,
+) -> Result<RecordExtraction, ExtractionError> {
+    let layout = Layout::new(record, usable);
     quality::roles(&layout, settings.stop.is_some(), &mut findings);
-    quality::unused(record, &layout, &usable, &mut findings);
+    quality::unused(record, &layout, usable, &mut findings);
     let window = window::choose(record, &layout, settings, &mut findings)?;
-    let analysis = Analysis { record, settings, layout, window };
-    analysis.run(findings)
+    Analysis { record, settings, layout, window }.run(findings)
+}
+
+/// Which channels are left without those that were found reversed, exchanged or clipped, and the findings that say
+/// so. A channel stays that is alone at the drive point or at the stop, and so do two that explain a slip as well as
+/// each other.
+fn without_culprits(record: &Record, usable: &[bool], found: &RecordExtraction) -> (Vec<bool>, Vec<Finding>) {
+    let mut rest = usable.to_vec();
+    let mut culprits = Vec::new();
+    for finding in &found.findings {
+        let names: &[String] = match finding {
+            Finding::ReversedChannel { channel, alternatives, .. } if alternatives.is_empty() => {
+                std::slice::from_ref(channel)
+            }
+            Finding::Clipped { channel, .. } => std::slice::from_ref(channel),
+            Finding::ExchangedChannels { channels } => channels,
+            _ => continue,
+        };
+        let at: Vec<usize> = (0..rest.len()).filter(|i| names.contains(&record.channels[*i].name)).collect();
+        if at.iter().all(|i| may_leave(record, &rest, *i)) && !at.is_empty() {
+            at.iter().for_each(|i| rest[*i] = false);
+            culprits.push(finding.clone());
+        }
+    }
+    (rest, culprits)
+}
+
+/// Whether a response is one of several, and not alone where it is needed.
+fn may_leave(record: &Record, usable: &[bool], channel: usize) -> bool {
+    let own = &record.channels[channel];
+    let others = || {
+        let motions = |i: &usize| usable[*i] && record.channels[*i].quantity.time_derivative().is_some();
+        (0..usable.len()).filter(motions).filter(|i| *i != channel).map(|i| &record.channels[i])
+    };
+    let neighbour = others().any(|other| other.position == own.position);
+    let needed = own.role == Role::DrivePoint
+        || record.with_role(Role::Contact).any(|i| record.channels[i].position == own.position);
+    own.quantity.time_derivative().is_some() && others().count() >= 2 && (neighbour || !needed)
 }
 
 fn check(settings: &ExtractionSettings) -> Result<(), ExtractionError> {
@@ -89,6 +145,10 @@ impl Analysis<'_> {
         quality::sample_rate(self.record, &self.settings.tolerances, &mut findings);
         quality::silent(self.record, &mut self.layout, &blocks, (omega, self.window.n_samples), &mut findings);
         let drift = self.drift(&blocks, omega, &mut findings);
+        if drift.scatter > SCATTERED {
+            let finding = Box::new(Finding::NotPeriodic { scatter: drift.scatter });
+            return Err(ExtractionError::Refused { finding, others: findings });
+        }
         let omega = self.frequency(&drift, omega, record_omega, &mut findings);
         let (modes, shape_places) = self.modes(&mut findings)?;
         let method = Method {
@@ -108,8 +168,9 @@ impl Analysis<'_> {
             layout: &self.layout,
             window: &window,
             fit: &fit,
-            coefficients: &blocks.all,
-            noise: &blocks.noise,
+            blocks: &blocks,
+            steady: !drift.is_drifting(&self.settings.tolerances, omega.value),
+            periodic: !findings.iter().any(|finding| matches!(finding, Finding::Aperiodic { .. })),
         };
         let contact = evidence.figures(self.settings.stop.as_ref(), &mut findings);
         let (excitation, modal) = (repeated.excitation(), repeated.modal(method.modes.as_ref(), omega.value));
@@ -196,11 +257,16 @@ impl Analysis<'_> {
         }
     }
 
-    /// The fundamental of the reference over the periods; reports where it drifts.
+    /// The reference over the periods; reports where it drifts.
     fn drift(&self, blocks: &Blocks, omega: f64, findings: &mut Vec<Finding>) -> Drift {
-        let of = |q: &[Vec<Complex64>]| self.layout.reference.map_or(Complex64::default(), |reference| q[reference][1]);
-        let single: Vec<Complex64> = blocks.single.iter().map(|q| of(q)).collect();
-        let drift = Drift::new(of(&blocks.all), &single, &blocks.centres);
+        let none = [Complex64::default(); 2];
+        let of = |q: &'_ [Vec<Complex64>]| -> Vec<Complex64> {
+            let harmonics = |i: usize| q[i][..q[i].len().min(window::FREQUENCY_HARMONICS + 1)].to_vec();
+            self.layout.reference.map_or_else(|| none.to_vec(), harmonics)
+        };
+        let single: Vec<Vec<Complex64>> = blocks.single.iter().map(|q| of(q)).collect();
+        let single: Vec<&[Complex64]> = single.iter().map(Vec::as_slice).collect();
+        let drift = Drift::new(&of(&blocks.all), &single, &blocks.centres);
         drift.report(omega, &self.settings.tolerances, findings);
         drift
     }

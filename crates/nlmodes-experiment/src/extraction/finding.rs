@@ -211,6 +211,59 @@ pub enum Finding {
         /// Its largest value, N.
         peak: f64,
     },
+    /// A force cell that rings: it shows forces while the contact is open.
+    CellRings {
+        /// Name of the channel.
+        channel: String,
+        /// Root mean square of the force while open, over its peak.
+        share: f64,
+        /// Where it is strongest, Hz.
+        frequency_hz: f64,
+    },
+    /// A force at the stop that comes after the displacement that makes it: a late channel or a slow cell.
+    CellLate {
+        /// Name of the channel.
+        channel: String,
+        /// By how much, s.
+        delay: f64,
+    },
+    /// The force at the stop is no straight line over the displacement.
+    ContactCurved {
+        /// Name of the channel.
+        channel: String,
+        /// Exponent of the force over the displacement into the stop.
+        exponent: f64,
+    },
+    /// The force begins elsewhere than at the declared gap.
+    GapElsewhere {
+        /// Declared gap, m.
+        declared: f64,
+        /// Where the force begins, m.
+        found: f64,
+        /// Its standard error, m.
+        uncertainty: f64,
+    },
+    /// A displacement whose mean drifts over the periods; the drift is taken out.
+    DisplacementDrift {
+        /// Name of the channel.
+        channel: String,
+        /// Change from the begin to the end, m.
+        change: f64,
+    },
+    /// Samples that the recorder lost, or has twice.
+    LostSamples {
+        /// How many, but for whole periods; negative where samples stand twice.
+        samples: f64,
+        /// They are lost behind this sample, from 0 …
+        from: usize,
+        /// … and before this one; the longer of the parts beside is used.
+        to: usize,
+    },
+    /// A vibration that is not periodic at all: random, or of several frequencies.
+    NotPeriodic {
+        /// Scatter of the fundamental from period to period about a smooth course, over its size.
+        scatter: f64,
+    },
     /// What came up while the record was read.
     Recorded(Remark),
     /// A sensor at a place for which the linear modes have no row.

@@ -16,6 +16,8 @@ use crate::records::{Quantity, Record};
 
 /// Distance of the stop from where it is declared, over gap or motion, that is told.
 const GAP: f64 = 0.5;
+/// Share of the gap up to which a motion surely does not touch.
+const SURELY_OPEN: f64 = 0.95;
 /// Factor between the frequency and that of the nearest linear mode that is told: a stop raises it to its double, two
 /// stops further.
 const FAR: f64 = 3.0;
@@ -138,7 +140,7 @@ impl Judgement<'_> {
             });
         let force = self.layout.force.zip(power);
         // A stop whose force was not measured, or a force whose place in the modes is not known.
-        let unknown_contact = contact.map_or(self.settings.stop.is_some(), |_| touched.is_some() && at_stop.is_none());
+        let unknown_contact = contact.map_or_else(|| self.may_touch(), |_| touched.is_some() && at_stop.is_none());
         Balance {
             modes,
             modal,
@@ -148,6 +150,15 @@ impl Judgement<'_> {
             unknown_contact,
         }
         .report(findings);
+    }
+
+    /// Whether the motion may reach a stop whose force is not measured.
+    fn may_touch(&self) -> bool {
+        let Some(stop) = self.settings.stop else { return false };
+        let here = |place: &Place| place.position.is_some_and(|x| near(x, stop.position));
+        let row = self.method.shape_places.iter().position(here);
+        let largest = |row: usize| self.values.motion.of(row).iter().map(|q| q.norm()).sum::<f64>();
+        row.is_none_or(|row| largest(row) > SURELY_OPEN * stop.gap)
     }
 
     /// Reports a contact that closes far from where the stop is declared.

@@ -52,6 +52,7 @@ impl Repeated {
         Some(ExcitationFigures {
             power: self.all.power?,
             fundamental_power: self.measured(|f| Some(f.power?.fundamental))?,
+            total_power: self.measured(|f| Some(f.power?.active))?,
             pbmif: self.measured(|f| Some(f.power?.indicator()))?,
             force: self.measured(|f| f.force)?,
             lag: Measured::angle(self.all.lag?, &lags),

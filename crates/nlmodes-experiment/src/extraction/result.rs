@@ -62,6 +62,8 @@ pub struct ExcitationFigures {
     pub power: ExcitationPower,
     /// Active power of the fundamental, W.
     pub fundamental_power: Measured,
+    /// Active power of all harmonics, eq. (17), W.
+    pub total_power: Measured,
     /// Power-based mode indicator, eq. (19), from as many harmonics as `power` says.
     pub pbmif: Measured,
     /// Amplitude of the force's fundamental, N.

@@ -12,6 +12,8 @@ const SIGNIFICANT: f64 = 4.0;
 const SAME_SCALE: f64 = 1.25;
 /// Phase from which on a channel counts as reversed, degrees.
 const REVERSED_DEG: f64 = 135.0;
+/// Relative error up to which a factor is one.
+const KNOWN: f64 = 0.5;
 /// Logarithm within which a factor is that of a unit.
 const LIKE_A_UNIT: f64 = 0.15;
 
@@ -166,14 +168,19 @@ impl Scales<'_> {
             let late = findings
                 .iter()
                 .any(|finding| matches!(finding, Finding::Skew { channel: known, .. } if *known == channel));
-            if factor.abs().ln().abs() > SAME_SCALE.ln() {
+            let twin = self.has_twin(*row);
+            let mut alternatives = alternatives;
+            if twin {
+                alternatives.push("another direction of one sensor".into());
+            }
+            if factor.abs().ln().abs() > SAME_SCALE.ln() && cause.error < KNOWN {
                 findings.push(Finding::WrongScale {
                     channel,
                     factor,
                     uncertainty: factor.abs() * cause.error,
                     against,
                     declared: self.channels[self.consensus.rows[*row].channel].unit.clone(),
-                    likely: self.unit(cause),
+                    likely: if twin { None } else { self.unit(cause) },
                     alternatives,
                 });
             } else if is_reversed(cause.ratio) {
@@ -183,6 +190,13 @@ impl Scales<'_> {
                 findings.push(Finding::ShapeDisagrees { channel, factor, degrees, against });
             }
         }
+    }
+
+    /// Whether another channel of the same quantity is at the same place: of a triaxial sensor, perhaps.
+    fn has_twin(&self, row: usize) -> bool {
+        let rows = &self.consensus.rows;
+        let quantity = |i: usize| self.channels[rows[i].channel].quantity;
+        (0..rows.len()).any(|i| i != row && rows[i].place == rows[row].place && quantity(i) == quantity(row))
     }
 
     fn unit(&self, cause: &Cause) -> Option<&'static str> {

@@ -16,6 +16,10 @@ const SIGNIFICANT: f64 = 5.0;
 const CLEAR: f64 = 0.1;
 /// Misfit of sensors with the linear modes, over noise, that counts as agreement.
 const AGREEMENT: f64 = 5.0;
+/// Fewest blocks whose scatter is an error.
+const FEWEST: usize = 4;
+/// What is not periodic, over the signal, from which on phases tell no delay.
+const APERIODIC: f64 = 0.2;
 /// A delay leaves amplitudes alone: within this share.
 const SAME_SIZE: f64 = 0.05;
 
@@ -38,6 +42,9 @@ impl Comparison<'_> {
             let alone = |member: (usize, u32)| Place { position: place.position, members: vec![member] };
             let Some((first, others)) = place.members.split_first() else { continue };
             for other in others {
+                if !(self.is_periodic(first.0) && self.is_periodic(other.0)) {
+                    continue;
+                }
                 let against = self.names[first.0].to_owned();
                 let ratio = |q: &[Vec<Complex64>], n: usize| {
                     self.displacement(&alone(*other), q, n) / self.displacement(&alone(*first), q, n)
@@ -50,7 +57,8 @@ impl Comparison<'_> {
     /// Reports the one place, if any, whose delay makes all others agree with the linear modes. It takes at least two
     /// more places than modes: one to see that something is wrong, one more to see where.
     pub fn against_modes(&self, modes: &LinearModes, places: &[Place], findings: &mut Vec<Finding>) {
-        if places.len() < modes.n_modes() + 2 {
+        let periodic = places.iter().flat_map(|place| &place.members).all(|(i, _)| self.is_periodic(*i));
+        if places.len() < modes.n_modes() + 2 || !periodic {
             return;
         }
         let everyone: Vec<usize> = (0..places.len()).collect();
@@ -74,6 +82,12 @@ impl Comparison<'_> {
             let name = places[culprit].members.first().map_or("", |(i, _)| self.names[*i]);
             self.report(self.delay(ratio), name, "the other sensors and the linear modes".into(), findings);
         }
+    }
+
+    /// Whether a channel repeats itself so well, and so often, that its phases tell a delay.
+    fn is_periodic(&self, channel: usize) -> bool {
+        let size = self.blocks.all[channel].iter().skip(1).map(|q| 0.5 * q.norm_sqr()).sum::<f64>().sqrt();
+        self.blocks.single.len() >= FEWEST && self.blocks.noise[channel] < APERIODIC * size
     }
 
     fn displacement(&self, place: &Place, q: &[Vec<Complex64>], n: usize) -> Complex64 {

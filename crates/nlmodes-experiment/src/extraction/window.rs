@@ -1,15 +1,24 @@
 //! The periods of a record that are looked at.
 
+use std::f64::consts::TAU;
+use std::ops::Range;
+
 use crate::extraction::frequency::{from_phase, refine};
-use crate::extraction::guess::strongest_frequency;
+use crate::extraction::guess::Spectrum;
 use crate::extraction::layout::Layout;
-use crate::extraction::{ExtractionError, ExtractionSettings, Finding, Measured};
+use crate::extraction::{ExtractionError, ExtractionSettings, Finding, Measured, loss};
 use crate::records::Record;
 
 /// Fewest periods from which anything is extracted.
 pub const FEWEST_PERIODS: usize = 2;
 /// Harmonics by which the frequency is found.
-const FREQUENCY_HARMONICS: usize = 40;
+pub const FREQUENCY_HARMONICS: usize = 40;
+/// Factor about a given guess within which the frequency is searched.
+const AROUND: f64 = 1.2;
+/// Factor about the frequency of the linear mode within which that of its nonlinear mode is searched first.
+const FAR: f64 = 3.0;
+/// Most places at which lost samples are looked for.
+const MAX_LOSSES: usize = 4;
 
 /// A whole number of periods at the end of a record.
 #[derive(Debug, Clone, Copy)]
@@ -35,7 +44,7 @@ impl Window {
     /// Highest harmonic that the sampling rate carries: its mirror image about half the rate must be told apart from
     /// it.
     pub fn nyquist_harmonics(&self, sample_rate: f64) -> usize {
-        let half = 0.5 * sample_rate * std::f64::consts::TAU / self.omega;
+        let half = 0.5 * sample_rate * TAU / self.omega;
         (half - 0.75 / self.periods as f64).max(0.0) as usize
     }
 }
@@ -47,30 +56,27 @@ pub fn choose(
     settings: &ExtractionSettings,
     findings: &mut Vec<Finding>,
 ) -> Result<Window, ExtractionError> {
-    let rate = record.sample_rate;
-    let refuse =
-        |finding, others: &[Finding]| ExtractionError::Refused { finding: Box::new(finding), others: others.to_vec() };
     let Some(reference) = layout.reference else {
         let consequence = "no usable channel measures a motion".into();
         return Err(refuse(Finding::ChannelMissing { channel: "response".into(), consequence }, findings));
     };
-    let (name, samples) = (&record.channels[reference].name, &record.samples[reference][..record.n_samples()]);
-    let guess = guess(record, layout, settings, samples)?;
-    let periods = record.duration() * guess / std::f64::consts::TAU;
+    let (rate, samples) = (record.sample_rate, &record.samples[reference][..record.n_samples()]);
+    let guess = guess(record, layout, settings, reference)?;
+    let periods = record.duration() * guess / TAU;
     // A guess from the spectrum of so short a record is itself good to a tenth of a period.
     if periods < FEWEST_PERIODS as f64 - 0.25 {
         return Err(refuse(Finding::TooShort { periods, wanted: FEWEST_PERIODS }, findings));
     }
-    let lost = || ExtractionError::NoFrequency { guess_hz: guess / std::f64::consts::TAU, channel: name.clone() };
-    let harmonics = |omega: f64| ((0.45 * rate * std::f64::consts::TAU / omega) as usize).min(FREQUENCY_HARMONICS);
-    let find = |samples: &[f64], start: f64| {
-        refine(samples, start / rate, harmonics(start).min(samples.len() / 8)).map(|step| step * rate)
-    };
+    let name = || record.channels[reference].name.clone();
+    let lost = || ExtractionError::NoFrequency { guess_hz: guess / TAU, channel: name() };
     // A record whose frequency changes has no common one: its last periods may.
-    let omega = find(samples, guess).unwrap_or(guess);
-    let periods = record.duration() * omega / std::f64::consts::TAU;
+    let omega = find(samples, guess, rate).unwrap_or(guess);
+    let sound = without_losses(samples, omega / rate, findings);
+    let samples = &samples[sound.clone()];
+    let omega = find(samples, omega, rate).unwrap_or(omega);
+    let periods = samples.len() as f64 / rate * omega / TAU;
     // The last sample of a record of whole periods stands one interval before their end.
-    let whole = (periods + 1e-6 + 0.5 * omega / rate / std::f64::consts::TAU) as usize;
+    let whole = (periods + 1e-6 + 0.5 * omega / rate / TAU) as usize;
     let wanted = settings.periods.unwrap_or(whole).max(FEWEST_PERIODS);
     if whole < FEWEST_PERIODS {
         return Err(refuse(Finding::TooShort { periods, wanted: FEWEST_PERIODS }, findings));
@@ -79,10 +85,10 @@ pub fn choose(
         findings.push(Finding::TooShort { periods, wanted });
     }
     let periods = whole.min(wanted);
-    let n_samples = ((periods as f64 * std::f64::consts::TAU * rate / omega).round() as usize).min(samples.len());
+    let n_samples = ((periods as f64 * TAU * rate / omega).round() as usize).min(samples.len());
     let first = samples.len() - n_samples;
-    let omega = find(&samples[first..], omega).ok_or_else(lost)?;
-    let mut window = Window { first, n_samples, periods, omega, from_phase: None };
+    let omega = find(&samples[first..], omega, rate).ok_or_else(lost)?;
+    let mut window = Window { first: sound.start + first, n_samples, periods, omega, from_phase: None };
     if let Some(phase) = layout.phase.filter(|_| settings.frequency_from_phase) {
         let channel = &record.channels[phase].name;
         window.from_phase = Some(from_phase(window.of(&record.samples[phase]), rate, channel)?);
@@ -90,21 +96,65 @@ pub fn choose(
     Ok(window)
 }
 
-/// First guess of the frequency, rad/s: given, or of the phase channel, or the strongest line of the reference.
+fn refuse(finding: Finding, others: &[Finding]) -> ExtractionError {
+    ExtractionError::Refused { finding: Box::new(finding), others: others.to_vec() }
+}
+
+/// The frequency (rad/s) next to a start by which the samples are most periodic.
+fn find(samples: &[f64], start: f64, rate: f64) -> Option<f64> {
+    let harmonics = ((0.45 * rate * TAU / start) as usize).min(FREQUENCY_HARMONICS);
+    refine(samples, start / rate, harmonics.min(samples.len() / 8)).map(|step| step * rate)
+}
+
+/// The longest part of the samples in which none are lost; reports each loss. `step` is the advance of the phase (rad)
+/// from sample to sample.
+fn without_losses(samples: &[f64], step: f64, findings: &mut Vec<Finding>) -> Range<usize> {
+    let mut sound = 0..samples.len();
+    for _ in 0..MAX_LOSSES {
+        let Some(found) = loss::find(&samples[sound.clone()], step) else { break };
+        let place = sound.start + found.place.start..sound.start + found.place.end;
+        findings.push(Finding::LostSamples { samples: found.samples, from: place.start, to: place.end });
+        let (before, after) = (sound.start..place.start, place.end..sound.end);
+        sound = if before.len() > after.len() { before } else { after };
+    }
+    sound
+}
+
+/// First guess of the frequency, rad/s: the peak next to the given one, or that of the phase channel, or the strongest
+/// line of the reference.
 fn guess(
     record: &Record,
     layout: &Layout,
     settings: &ExtractionSettings,
-    reference: &[f64],
+    reference: usize,
 ) -> Result<f64, ExtractionError> {
-    if let Some(omega) = settings.omega {
-        return Ok(omega);
-    }
-    if let Some(phase) = layout.phase {
+    if let Some(phase) = layout.phase.filter(|_| settings.omega.is_none()) {
         let channel = &record.channels[phase];
         return Ok(from_phase(&record.samples[phase], record.sample_rate, &channel.name)?.value);
     }
-    let channel = layout.reference.map_or_else(String::new, |i| record.channels[i].name.clone());
-    let found = strongest_frequency(reference).ok_or(ExtractionError::NoFrequency { guess_hz: 0.0, channel })?;
-    Ok(found * record.sample_rate * std::f64::consts::TAU)
+    let spectrum = |i: usize| Spectrum::new(&record.samples[i][..record.n_samples()]);
+    let channel = &record.channels[reference];
+    let lost = || ExtractionError::NoFrequency { guess_hz: 0.0, channel: channel.name.clone() };
+    let own = match (spectrum(reference), settings.omega) {
+        (Some(own), _) => own,
+        (None, Some(omega)) => return Ok(omega),
+        (None, None) => return Err(lost()),
+    };
+    let order = channel.quantity.time_derivative().unwrap_or(0);
+    let per_sample = |omega: f64| omega / TAU / record.sample_rate;
+    let between = |omega: f64, share: f64| own.lines(per_sample(omega / share), per_sample(omega * share));
+    let force = layout.force.and_then(spectrum);
+    if let Some(omega) = settings.omega {
+        let near = own.peak(between(omega, AROUND), order, Some(force.as_ref().unwrap_or(&own)));
+        return Ok(near.map_or(omega, |found| found * record.sample_rate * TAU));
+    }
+    let mode = settings.linear_modes.as_ref().and_then(|modes| modes.omegas().get(settings.mode - 1));
+    let among = |lines: Range<usize>| {
+        let with_force = own.peak(lines.clone(), order, Some(force.as_ref().unwrap_or(&own)));
+        with_force.or_else(|| own.peak(lines, order, Some(&own)))
+    };
+    let near_mode = mode.and_then(|omega| among(between(*omega, FAR)));
+    let anywhere = || among(own.all()).or_else(|| own.peak(own.all(), 0, None));
+    let found = near_mode.or_else(anywhere).ok_or_else(lost)?;
+    Ok(found * record.sample_rate * TAU)
 }

@@ -10,7 +10,17 @@ use support::autoresonance::Rig;
 use support::{POSITIONS, modes};
 
 fn rig(force: f64, noise: f64) -> Rig {
-    Rig { modes: modes(), drive: 0, tip: 3, gap: 1e-3, stiffness: 4e5, force, sample_rate: 20_000.0, noise }
+    Rig {
+        modes: modes(),
+        drive: 0,
+        tip: 3,
+        gap: 1e-3,
+        stiffness: 4e5,
+        exponent: 1.0,
+        force,
+        sample_rate: 20_000.0,
+        noise,
+    }
 }
 
 /// A record with contact and noise.

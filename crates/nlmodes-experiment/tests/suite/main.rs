@@ -1,5 +1,6 @@
 //! All tests of `nlmodes-experiment` beside those in its sources, as one binary: each would link all dependencies once more.
 
+mod disturbed;
 mod files;
 mod findings;
 mod headers;

@@ -18,8 +18,17 @@ const RATE: f64 = 10_000.0;
 fn rig(force: f64) -> Record {
     static RECORDS: OnceLock<[Record; 2]> = OnceLock::new();
     let made = |force: f64| {
-        let rig =
-            Rig { modes: modes(), drive: 0, tip: 3, gap: 1e-3, stiffness: 2e5, force, sample_rate: RATE, noise: 5e-4 };
+        let rig = Rig {
+            modes: modes(),
+            drive: 0,
+            tip: 3,
+            gap: 1e-3,
+            stiffness: 2e5,
+            exponent: 1.0,
+            force,
+            sample_rate: RATE,
+            noise: 5e-4,
+        };
         rig.record("rig", 6.0, 3000, 11)
     };
     RECORDS.get_or_init(|| [made(2.5), made(8.0)])[usize::from(force > 5.0)].clone()

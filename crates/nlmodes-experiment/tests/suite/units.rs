@@ -93,6 +93,7 @@ fn sizes_and_speeds_of_a_motion_only_scale_what_is_found() {
         tip: 3,
         gap: GAP,
         stiffness: 2e5,
+        exponent: 1.0,
         force: 8.0,
         sample_rate: 10_000.0,
         noise: 5e-4,

@@ -1,7 +1,7 @@
 use super::Column;
 
 /// Columns of `modal_points.csv`, of records and of virtual tests.
-pub const MODAL_POINT_COLUMNS: [Column; 35] = [
+pub const MODAL_POINT_COLUMNS: [Column; 37] = [
     Column::new("record", "", "name of the record, or of the level of a test"),
     Column::new("drive_v", "V", "of a test: amplitude of the signal to the exciter"),
     Column::new("drive_n", "N", "of a test with an ideal force: its amplitude"),
@@ -32,7 +32,7 @@ pub const MODAL_POINT_COLUMNS: [Column; 35] = [
     Column::new(
         "peak_contact_force_n",
         "N",
-        "largest contact force of each period, mean over the periods of the record",
+        "largest contact force of the mean period, without the noise of the force cell",
     ),
     Column::new(
         "contact_stiffness_n_m",
@@ -46,6 +46,11 @@ pub const MODAL_POINT_COLUMNS: [Column; 35] = [
     Column::new("contact_fraction", "", "share of the time in which the stop is touched"),
     Column::new("force_n", "N", "amplitude of the force in the first harmonic"),
     Column::new("power_w", "W", "active power of the force in the first harmonic"),
+    Column::new(
+        "total_power_w",
+        "W",
+        "active power of the force in as many harmonics as pbmif_harmonics says, eq. (17)",
+    ),
     Column::new("linear_dissipation_w", "W", "power that the damping ratios of the linear modes would take"),
     Column::new("energy_j", "J", "kinetic energy, averaged over a period"),
     Column::new("periods", "", "whole periods that were evaluated"),
@@ -62,6 +67,7 @@ pub const MODAL_POINT_COLUMNS: [Column; 35] = [
     Column::new("contact_stiffness_n_m_uncertainty", "N/m", "the same, with one impact left out at a time"),
     Column::new("force_n_uncertainty", "N", "the same"),
     Column::new("power_w_uncertainty", "W", "the same"),
+    Column::new("total_power_w_uncertainty", "W", "the same"),
     Column::new("energy_j_uncertainty", "J", "the same"),
     Column::new("participation_…_uncertainty", "", "the same"),
     Column::new(

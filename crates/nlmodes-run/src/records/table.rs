@@ -93,6 +93,7 @@ fn columns(modes: usize) -> Vec<Column> {
     columns.extend(impacts());
     measured(&mut columns, "force_n", |found| Some(found.excitation.as_ref()?.force));
     measured(&mut columns, "power_w", |found| Some(found.excitation.as_ref()?.fundamental_power));
+    measured(&mut columns, "total_power_w", |found| Some(found.excitation.as_ref()?.total_power));
     columns.push(plain("linear_dissipation_w", |found| Some(found.modal.as_ref()?.dissipation.total())));
     measured(&mut columns, "energy_j", |found| Some(found.modal.as_ref()?.kinetic_energy));
     columns.push(count("periods", |found| Some(found.periods)));

@@ -33,6 +33,13 @@ impl Finding {
             Self::ChannelUnused { .. } => "channel-unused",
             Self::FarFromModes { .. } => "far-from-modes",
             Self::Offset { .. } => "offset",
+            Self::CellRings { .. } => "cell-rings",
+            Self::CellLate { .. } => "cell-late",
+            Self::ContactCurved { .. } => "contact-curved",
+            Self::GapElsewhere { .. } => "gap-elsewhere",
+            Self::DisplacementDrift { .. } => "displacement-drift",
+            Self::LostSamples { .. } => "lost-samples",
+            Self::NotPeriodic { .. } => "not-periodic",
             Self::Recorded(remark) => remark.name(),
             Self::PositionWithoutShape { .. } => "position-without-shape",
         }
@@ -145,6 +152,54 @@ impl fmt::Display for Finding {
             Self::Offset { channel, offset, peak } => write!(
                 f,
                 "channel \"{channel}\" rests at {offset:.4e} N, not at zero (its peak is {peak:.4e} N): contact and stiffness depend on it"
+            ),
+            Self::CellRings { channel, share, frequency_hz } => write!(
+                f,
+                "channel \"{channel}\" shows a force while the contact is open, {:.1} % of its peak and strongest at \
+                 {frequency_hz:.0} Hz: the force cell rings, or feels its own mass",
+                100.0 * share
+            ),
+            Self::CellLate { channel, delay } => write!(
+                f,
+                "channel \"{channel}\" is {:.1} µs late against the displacement at the stop, which would give out energy: a \
+                 channel that is late, or a slow force cell; stiffness and gap depend on it",
+                1e6 * delay
+            ),
+            Self::ContactCurved { channel, exponent } => {
+                let cause = if *exponent > 1.0 {
+                    "the contact stiffens as it is pressed, as that of Hertz (1.5)"
+                } else {
+                    "the contact softens, or the force cell saturates"
+                };
+                write!(
+                    f,
+                    "channel \"{channel}\" goes with the displacement into the stop to the power of {exponent:.2}: {cause}; the \
+                     contact stiffness is a mean slope"
+                )
+            }
+            Self::GapElsewhere { declared, found, uncertainty } => write!(
+                f,
+                "the force begins at a displacement of {found:.4e} m ± {uncertainty:.1e} m, the stop is declared at {declared} m: \
+                 a gap that has changed, or the scale or the zero of the displacement"
+            ),
+            Self::DisplacementDrift { channel, change } => write!(
+                f,
+                "the mean of channel \"{channel}\" drifts by {:+.2} µm over the periods; the drift is taken out",
+                1e6 * change
+            ),
+            Self::LostSamples { samples, from, to } => {
+                let way = if *samples < 0.0 { "stand twice" } else { "are lost" };
+                write!(
+                    f,
+                    "{} samples {way} between samples {from} and {to}; the longer part beside them is used",
+                    samples.abs()
+                )
+            }
+            Self::NotPeriodic { scatter } => write!(
+                f,
+                "the fundamental changes from period to period by {:.0} % of its size: a random vibration, or one of several \
+                 frequencies, has none",
+                100.0 * scatter
             ),
             Self::Recorded(remark) => remark.fmt(f),
             Self::PositionWithoutShape { channel, position } => {

@@ -19,6 +19,8 @@ pub struct Rig {
     pub tip: usize,
     pub gap: f64,
     pub stiffness: f64,
+    /// Exponent of the force over the displacement into the stop: 1 of a spring, 1.5 of a Hertz contact.
+    pub exponent: f64,
     /// Amplitude of the force, N.
     pub force: f64,
     pub sample_rate: f64,
@@ -81,7 +83,7 @@ impl Rig {
     }
 
     fn contact(&self, state: &State) -> f64 {
-        (self.stiffness * (self.at(self.tip, state, 0) - self.gap)).max(0.0)
+        self.stiffness * (self.at(self.tip, state, 0) - self.gap).max(0.0).powf(self.exponent)
     }
 
     fn at(&self, row: usize, state: &State, i: usize) -> f64 {
