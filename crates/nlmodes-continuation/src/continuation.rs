@@ -3,7 +3,7 @@ use std::ops::ControlFlow;
 use crate::corrector::{Correction, Corrector, Hyperplane, Surface};
 use crate::record::RunLog;
 use crate::run::Run;
-use crate::scales::Scaled;
+use crate::scales::{Scaled, sizes_at_rest};
 use crate::vectors::dot;
 use crate::{AtBranchPoint, Branch, BranchPoint, ContinuationError, ParametricSystem, Scaling, StepSettings};
 
@@ -139,10 +139,15 @@ impl Continuation {
         let given = system.scaling();
         let of_parameter = self.bounds.iter().filter(|bound| bound.coordinate == x.len());
         let most = of_parameter.map(|bound| bound.min.abs().max(bound.max.abs())).fold(f64::INFINITY, f64::min);
-        let (scales, goes_far) = given.map_or_else(
-            || Scaling::found(corrector.linearization(), system.solver(), (x, p), direction, most),
-            |given| (given, false),
-        );
+        let (scales, goes_far) = match given {
+            Some(given) => (given, false),
+            None => {
+                let at = corrector.linearization().clone();
+                let rests = z.iter().all(|z| *z == 0.0);
+                let at_rest = if rests { sizes_at_rest(system, &mut corrector, direction) } else { None };
+                Scaling::found(&at, system.solver(), (x, p), direction, most, at_rest)
+            }
+        };
         check_scales(&scales, x.len())?;
         let scales = scales.rounded();
         let settings = self.in_scales(&scales, goes_far);

@@ -26,7 +26,8 @@ pub enum NewtonFailure {
 #[derive(Debug, Clone, PartialEq, Error)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[error(
-    "{reason} (residual {residual:.1e} after {iterations} iterations; tolerance {tolerance:.1e}, rounding {rounding:.1e}{})",
+    "{reason} (residual {residual:.1e} after {iterations} iterations; tolerance {tolerance:.1e}, \
+     rounding {rounding:.1e}{})",
     unsettled(*residual, *tolerance, *moves)
 )]
 #[non_exhaustive]
@@ -51,7 +52,8 @@ pub struct CorrectionFailure {
 fn unsettled(residual: f64, tolerance: f64, moves: f64) -> String {
     if residual <= tolerance && moves.is_finite() {
         format!(
-            "; within the tolerance, but the next Newton step is one of {moves:.1e}: the curve bends more sharply than that"
+            "; within the tolerance, but the next Newton step is one of {moves:.1e}: \
+             the curve bends more sharply than that"
         )
     } else {
         String::new()
@@ -111,7 +113,8 @@ pub enum Refusal {
     CloseCurves,
     /// The step passes a bound, and the point of the branch on that was not found.
     #[error(
-        "the step passes {value} of coordinate {coordinate}, where the branch is to end, and the point there was not found"
+        "the step passes {value} of coordinate {coordinate}, where the branch is to end, \
+         and the point there was not found"
     )]
     BoundNotLocated {
         /// Index in `z`; n is the parameter.

@@ -1,5 +1,6 @@
 //! Sizes of unknowns and equations: beside them everything is judged.
 
+use crate::corrector::Corrector;
 use crate::crossing::Choice;
 use crate::record::StepRecord;
 use crate::vectors::dot;
@@ -33,7 +34,8 @@ impl Scaling {
         Self { unknowns: vec![1.0; n + 1], equations: vec![1.0; n] }
     }
 
-    /// From the starting point, and the Jacobian and the direction there; and whether the points that follow may be
+    /// From the starting point, the Jacobian `at` it, and the direction there, where `at_rest` gives the sizes of
+    /// unknowns and parameter if all are zero; and whether the points that follow may be
     /// large beside these sizes, as they may wherever numbers are not near one, or zero without a tangent that tells
     /// what they are near to.
     ///
@@ -47,14 +49,17 @@ impl Scaling {
         (x, p): (&[f64], f64),
         direction: &[f64],
         most: f64,
+        at_rest: Option<[f64; 2]>,
     ) -> (Self, bool) {
-        let largest = |v: &[f64]| v.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
         let (x_size, p_size) = (largest(x), p.abs());
         let ratio = tangent(at, solver, direction)
             .map(|t| largest(&t[..x.len()]) / t[x.len()].abs())
             .filter(|ratio| ratio.is_finite() && *ratio > 0.0);
         let credible = |size: f64| if size > LEAST { size } else { 1.0 };
-        let is_told = x_size > 0.0 || p_size > 0.0 || ratio.is_some_and(|ratio| ratio.min(1.0 / ratio) > LEAST);
+        let is_told = at_rest.is_some()
+            || x_size > 0.0
+            || p_size > 0.0
+            || ratio.is_some_and(|ratio| ratio.min(1.0 / ratio) > LEAST);
         let (x_size, p_size) = match (x_size > 0.0, p_size > 0.0, ratio) {
             (true, true, _) => (x_size, p_size),
             (false, true, Some(ratio)) => (credible(ratio * p_size), p_size),
@@ -64,8 +69,10 @@ impl Scaling {
             (false, true, None) => (1.0, p_size),
             (false, false, None) => (1.0, 1.0),
         };
+        let [x_size, p_size] = at_rest.unwrap_or([x_size, p_size]);
         let p_size = if most > 0.0 { p_size.min(most) } else { p_size };
-        let size = |size: f64| if (1.0 / NEAR_ONE..=NEAR_ONE).contains(&size) { 1.0 } else { size };
+        let is_near_one = |size: f64| (1.0 / NEAR_ONE..=NEAR_ONE).contains(&size) && at_rest.is_none();
+        let size = |size: f64| if is_near_one(size) { 1.0 } else { size };
         let unknowns: Vec<f64> = x.iter().map(|_| size(x_size)).chain([size(p_size)]).collect();
         let mut rows = vec![0.0_f64; x.len()];
         at.each(|i, j, value| rows[i] = rows[i].max(value.abs() * unknowns[j]));
@@ -159,6 +166,50 @@ impl Scaling {
         let inverse = |sizes: &[f64]| sizes.iter().map(|size| 1.0 / size).collect();
         Self { unknowns: inverse(&self.unknowns), equations: inverse(&self.equations) }
     }
+}
+
+fn largest(v: &[f64]) -> f64 {
+    v.iter().fold(0.0_f64, |m, v| m.max(v.abs()))
+}
+
+/// Change of the equations' terms at which a length is measured, and the most evaluations for that.
+const CHANGED: f64 = 0.15;
+const TRIED: usize = 16;
+
+/// Sizes of unknowns and parameter of a system all of whose numbers are zero at the start: those by which they move
+/// while the Jacobian changes by its own size. So they are the same motion in any units; `None` where nothing changes.
+///
+/// ```text
+/// q(h) = max_i |Σ_j (J(h t) − J(0))_ij t_j| / Σ_j |J(0)_ij t_j| ,   sizes h |t_j| / q
+/// ```
+pub(crate) fn sizes_at_rest<S: ParametricSystem>(
+    system: &mut S,
+    corrector: &mut Corrector,
+    direction: &[f64],
+) -> Option<[f64; 2]> {
+    let at = corrector.linearization().clone();
+    let t = tangent(&at, system.solver(), direction)?;
+    let (p, x) = t.split_last()?;
+    let mut terms = vec![0.0; x.len()];
+    at.each(|i, j, value| terms[i] += (value * t[j]).abs());
+    let start = at.times(&t);
+    let (mut h, mut before) = (1.0 / largest(&t), None::<[f64; 2]>);
+    for _ in 0..TRIED {
+        let z: Vec<f64> = t.iter().map(|t| h * t).collect();
+        let changed = corrector.evaluate(system, &z).map_or(f64::INFINITY, |_| {
+            let now = corrector.linearization().times(&t);
+            let shares = now.iter().zip(&start).zip(&terms).filter(|(_, terms)| **terms > 0.0);
+            shares.map(|((now, start), terms)| (now - start).abs() / terms).fold(0.0, f64::max)
+        });
+        if (changed / CHANGED - 1.0).abs() < 0.01 {
+            return Some([largest(x), p.abs()].map(|t| h * t / changed)).filter(|[x, p]| *x > 0.0 && *p > 0.0);
+        }
+        // The power of h with which it grows.
+        let power = before.map_or(1.0, |[h0, q0]| ((changed / q0).ln() / (h / h0).ln()).clamp(0.5, 3.0));
+        before = Some([h, changed]).filter(|_| changed.is_finite() && changed > 0.0);
+        h *= if power.is_nan() { 1e-3 } else { (CHANGED / changed).powf(1.0 / power).clamp(1e-3, 1e3) };
+    }
+    None
 }
 
 /// Leaves vectors alone that have it but for rounding.

@@ -92,10 +92,10 @@ pub trait ParametricSystem {
     /// from the starting point, and each equation that of its largest derivative there; unknowns of different kinds
     /// need sizes of their own.
     ///
-    /// A start at which all unknowns and the parameter are zero tells at most how these compare, not how large they
-    /// are: the larger of the two sizes is one there, and both are where one moves by less than 1e-10 of the other.
-    /// Tolerances are shares of that, and so are steps, at first or, where the two compare, all along: where thousands
-    /// or millionths are moved, sizes should be given.
+    /// At a start where all unknowns and the parameter are zero the sizes are those by which they move along the curve
+    /// while the Jacobian changes by its own size, at the cost of a few evaluations. Where it does not change, nothing
+    /// tells more than how the two compare: the larger of both sizes is one then, and both are where one moves by less
+    /// than 1e-10 of the other.
     fn scaling(&self) -> Option<Scaling> {
         None
     }

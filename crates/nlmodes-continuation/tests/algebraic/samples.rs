@@ -107,10 +107,16 @@ pub fn assert_sound(branch: &Branch, settings: &Continuation) {
         let length: f64 = q.tangent.iter().map(|t| t * t).sum();
         assert!((length - 1.0).abs() < 1e-10);
     }
-    let distance =
-        |a: &BranchPoint, b: &BranchPoint| a.z().iter().zip(b.z()).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+    let distance = |a: &BranchPoint, b: &BranchPoint| {
+        let (a, b, sizes) = (a.z(), b.z(), &branch.scales.unknowns);
+        a.iter().zip(&b).zip(sizes).map(|((a, b), size)| ((a - b) / size).powi(2)).sum::<f64>().sqrt()
+    };
     for pair in branch.points.windows(2) {
-        assert!(distance(&pair[0], &pair[1]) <= 1.2 * settings.step.max);
+        // Beyond four sizes that are found steps grow in proportion.
+        let sizes = branch.scales.unknowns.iter();
+        let far = pair[1].z().iter().zip(sizes).fold(4.0_f64, |m, (z, size)| m.max((z / size).abs())) / 4.0;
+        let far = if branch.scales.unknowns.iter().all(|size| *size == 1.0) { 1.0 } else { far };
+        assert!(distance(&pair[0], &pair[1]) <= 1.2 * far * settings.step.max);
         let twice = pair[0].events.iter().any(|e| pair[1].events.contains(e));
         assert!(!twice || distance(&pair[0], &pair[1]) > 1e-6, "{:?} twice at {:?}", pair[0].events, pair[0].z());
     }
