@@ -61,9 +61,6 @@ fn exact() -> ModalBranch {
             omega: TAU * hz,
             coefficients: HarmonicCoefficients::zeros(1, 1),
             kinetic_energy: kinetic,
-            harmonic_energy: Vec::new(),
-            resonance: None,
-            stability: None,
             total_energy: total,
             modal_amplitude: f64::NAN,
             fundamental: f64::NAN,
@@ -71,10 +68,7 @@ fn exact() -> ModalBranch {
             contact_fraction: 2.0 / r - 1.0,
             contact_intervals: 1,
             peak_contact_force: MODULUS * velocity / speed,
-            contacts: Vec::new(),
-            residual: 0.0,
-            error_estimate: None,
-            events: Vec::new(),
+            ..ModalPoint::default()
         }
     };
     let first = speed / (4.0 * LENGTH);

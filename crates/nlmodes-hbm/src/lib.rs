@@ -101,9 +101,9 @@ pub use history::ContactDefects;
 pub use mixed_shooting::{MAX_HARMONICS, MixedShooting, MixedShootingSettings, Scales};
 pub use nlmodes_reduction::HeldMode;
 pub use periodic::{
-    Closing, ClosingEquation, Column, ContactMotion, Coordinates, DampedStop, EnergyGiven, Floquet, Functional,
-    Instability, Load, LoadTerm, ModalDamping, ModalGrazing, ModalStructure, Motion, OperatingPoint, PeriodicMotion,
-    PeriodicSettings, PeriodicSystem, PhaseCondition, PhaseLag, Refined, ResponseRow, Source, modal_grazing,
+    Closing, ClosingEquation, Column, ContactMotion, Coordinates, DampedStop, EnergyGiven, Floquet, Functional, Load,
+    LoadTerm, ModalDamping, ModalGrazing, ModalStructure, Motion, OperatingPoint, PeriodicMotion, PeriodicSettings,
+    PeriodicSystem, PhaseCondition, PhaseLag, Refined, ResponseRow, Source, modal_grazing,
 };
 pub use projection::Projection;
 pub use recording::MAX_RECORDED;

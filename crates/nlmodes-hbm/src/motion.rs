@@ -32,8 +32,6 @@ impl MixedShooting<'_> {
             coefficients,
             kinetic_energy: kinetic,
             harmonic_energy,
-            resonance: None,
-            stability: None,
             total_energy: kinetic + strain,
             modal_amplitude,
             peak: self.peak(fraction > 0.0, first_force),
@@ -42,8 +40,7 @@ impl MixedShooting<'_> {
             peak_contact_force: max_norm(contacts.iter().map(|contact| contact.peak_force)),
             contacts,
             residual,
-            error_estimate: None,
-            events: Vec::new(),
+            ..ModalPoint::default()
         })
     }
 

@@ -25,7 +25,7 @@ pub use analyses::Coordinates;
 pub use closing_equations::{ClosingEquation, EnergyGiven, Functional, Motion, PhaseCondition, PhaseLag};
 pub use damped_stop::DampedStop;
 pub use damping::ModalDamping;
-pub use floquet::{Floquet, Instability};
+pub use floquet::Floquet;
 pub use load::{Load, LoadTerm};
 pub use motion::{ContactMotion, PeriodicMotion};
 pub use operating_point::{Closing, Column, OperatingPoint, Source};

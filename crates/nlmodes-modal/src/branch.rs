@@ -1,4 +1,6 @@
-use crate::{BranchEnd, ContactPeriod, Event, HarmonicCoefficients, InternalResonance};
+use num_complex::Complex64;
+
+use crate::{BranchEnd, ContactPeriod, Event, HarmonicCoefficients, InternalResonance, Stability};
 
 /// A coordinate of a motion: a degree of freedom or a sensor.
 #[derive(Debug, Clone, PartialEq)]
@@ -9,35 +11,9 @@ pub struct Coordinate {
     pub kind: String,
 }
 
-/// Stability of a periodic motion by its Floquet multipliers `μ`: a disturbance is `μ` times as large after each
-/// period.
-///
-/// For a conservative system they occur in pairs `μ`, `1/μ`, so a motion is stable if and only if all are on the unit
-/// circle; the double multiplier +1, along the motion and toward the neighbouring motion of different energy, is
-/// excluded.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stability {
-    /// Whether all multipliers are on the unit circle, to rounding.
-    pub stable: bool,
-    /// The multiplier of largest magnitude: real and imaginary part, the latter not negative.
-    pub largest_multiplier: [f64; 2],
-}
-
-impl Stability {
-    /// Magnitude of the largest multiplier.
-    pub fn magnitude(&self) -> f64 {
-        self.largest_multiplier[0].hypot(self.largest_multiplier[1])
-    }
-
-    /// Its angle in the complex plane, degrees from 0 to 180: stability is lost at 0 at a fold or a branch point, at
-    /// 180 by period doubling, and in between by a collision of two pairs.
-    pub fn angle_deg(&self) -> f64 {
-        self.largest_multiplier[1].abs().atan2(self.largest_multiplier[0]).to_degrees()
-    }
-}
-
-/// One point of a nonlinear mode: a periodic motion with its modal quantities.
-#[derive(Debug, Clone, PartialEq)]
+/// A point of a curve of periodic motions with its modal quantities: of a nonlinear mode, conservative or damped, of a
+/// response, or of a record; what a kind of motion does not have is none.
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct ModalPoint {
     /// Nonlinear modal frequency `ω̃`, rad/s.
     pub omega: f64,
@@ -74,6 +50,47 @@ pub struct ModalPoint {
     pub error_estimate: Option<f64>,
     /// Events at this point.
     pub events: Vec<Event>,
+    /// Load, drive point and powers; none of a conservative motion.
+    pub driven: Option<Driven>,
+}
+
+impl ModalPoint {
+    /// Angular frequency by which curves are drawn and listed: that of the load, and without one that of the motion,
+    /// rad/s.
+    pub fn listed_omega(&self) -> f64 {
+        self.driven.map_or(self.omega, |driven| driven.omega)
+    }
+}
+
+/// What a point of a damped or driven motion has beside what every motion has.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Driven {
+    /// Angular frequency of the load, of which several periods may be one of the motion; of a free motion its own,
+    /// rad/s.
+    pub omega: f64,
+    /// Level of the load, in its unit; none of a free motion.
+    pub level: Option<f64>,
+    /// Amplitude of the first force, or of that which would hold a free motion in one harmonic, N.
+    pub force: Option<f64>,
+    /// Complex amplitude of the drive point at the frequency of the load, m; none without a drive point.
+    pub drive: Option<Complex64>,
+    /// Mean power of the load, W; none of a free motion.
+    pub input_power: Option<f64>,
+    /// Mean power that the damping takes out, W.
+    pub dissipated_power: f64,
+    /// Damping ratio `ξ/(2ω)` of a damped mode.
+    pub damping_ratio: Option<f64>,
+    /// Power-based mode indicator, eq. (19).
+    pub indicator: Option<f64>,
+    /// Of appropriation: distance of the velocities from those of the mode, over the latter.
+    pub mode_distance: Option<f64>,
+}
+
+impl Driven {
+    /// By how much the drive point lags the load, degrees from −180 to 180; none of a free motion.
+    pub fn lag_deg(&self) -> Option<f64> {
+        self.level.and(self.drive).map(|drive| -drive.arg().to_degrees())
+    }
 }
 
 /// A nonlinear mode over energy: computed or measured points in their order along the branch.
@@ -91,23 +108,4 @@ pub struct ModalBranch {
     pub points: Vec<ModalPoint>,
     /// Why the branch ends.
     pub end: BranchEnd,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_multiplier_has_magnitude_and_angle_whatever_the_sign_of_its_imaginary_part() {
-        for (multiplier, magnitude, angle) in [
-            ([1.5, 0.0], 1.5, 0.0),
-            ([0.0, 2.0], 2.0, 90.0),
-            ([-3.0, 0.0], 3.0, 180.0),
-            ([1.0, -1.0], 2f64.sqrt(), 45.0),
-        ] {
-            let stability = Stability { stable: false, largest_multiplier: multiplier };
-            assert!((stability.magnitude() - magnitude).abs() < 1e-15);
-            assert!((stability.angle_deg() - angle).abs() < 1e-13, "{multiplier:?}: {}", stability.angle_deg());
-        }
-    }
 }

@@ -4,7 +4,7 @@ use num_complex::Complex64;
 /// `q_d(t) = Re Σ_{n=0}^{H} q_{d,n} e^{inωt}`.
 ///
 /// Shape: coordinates × (H + 1); the unit is that of the coordinate. The mean `q_{d,0}` is real.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct HarmonicCoefficients {
     n_coordinates: usize,
     n_harmonics: usize,

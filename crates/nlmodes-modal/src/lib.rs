@@ -43,9 +43,10 @@ mod noise;
 mod participation;
 mod resonance;
 mod restitution;
+mod stability;
 
 pub use basis::HarmonicBasis;
-pub use branch::{Coordinate, ModalBranch, ModalPoint, Stability};
+pub use branch::{Coordinate, Driven, ModalBranch, ModalPoint};
 pub use branch_end::{BranchEnd, EndReason};
 pub use coefficients::HarmonicCoefficients;
 pub use contact_interval::{ContactInterval, contact_intervals};
@@ -62,3 +63,4 @@ pub use noise::noise_level;
 pub use participation::Participation;
 pub use resonance::{InternalResonance, RESONANT_SHARE, Tongue, tongues};
 pub use restitution::{Impact, Restitution, RestitutionStatistics};
+pub use stability::Stability;

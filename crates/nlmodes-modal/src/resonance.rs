@@ -107,18 +107,12 @@ mod tests {
             kinetic_energy: energy,
             harmonic_energy: vec![0.0, energy * (1.0 - share), 0.0, energy * share],
             resonance,
-            stability: None,
             total_energy: 2.0 * energy,
             modal_amplitude: 1.0,
             fundamental: 1.0,
             peak: 1.0,
-            contact_fraction: 0.0,
-            contact_intervals: 0,
-            peak_contact_force: 0.0,
-            contacts: Vec::new(),
-            residual: 0.0,
-            error_estimate: None,
             events: events.to_vec(),
+            ..ModalPoint::default()
         }
     }
 

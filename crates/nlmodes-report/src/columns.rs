@@ -3,11 +3,17 @@
 
 use std::fmt::Write;
 
+mod differences;
 mod files;
+mod points;
 mod records;
+mod row;
 
+pub use differences::{DifferenceRow, ResponseDifferenceRow, StopDifferenceRow};
 pub use files::FILES;
-pub use records::MODAL_POINT_COLUMNS;
+pub use points::{AppropriationRow, BranchRow, ContactRow, ParticipationRow, ResponseOf, ResponseRow};
+pub use records::ModalPointRow;
+pub use row::{Cell, Cells, Known, Numbered, Row, Sometimes};
 
 /// A column of a table, an array of an archive, or a variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -37,74 +43,6 @@ impl Column {
         }
     }
 }
-
-/// Columns of the table of differences of responses.
-pub const RESPONSE_DIFFERENCE_COLUMNS: [Column; 10] = [
-    Column::new("overlay", "", "name of what is laid over"),
-    Column::new("point", "", "its point, from 0"),
-    Column::new("frequency_hz", "Hz", "frequency of the load, of both"),
-    Column::new("level", "unit of the load", "level of the point; NaN where the table has none"),
-    Column::new("fundamental_m", "m", "fundamental of the first contact; NaN where it is not known"),
-    Column::new("curve_fundamental_m", "m", "that of the curve there, linear between its points"),
-    Column::new("drive_fundamental_m", "m", "fundamental of the drive point; NaN where it is not known"),
-    Column::new("curve_drive_fundamental_m", "m", "that of the curve there"),
-    Column::new("peak_contact_force_n", "N", "largest contact force; NaN where it is not known"),
-    Column::new("curve_peak_contact_force_n", "N", "that of the curve there"),
-];
-
-/// Columns of `overlay.csv`.
-pub const DIFFERENCE_COLUMNS: [Column; 12] = [
-    Column::new("overlay", "", "name of what is laid over"),
-    Column::new("point", "", "its point, from 0"),
-    Column::new("modal_amplitude", "m √kg", "modal amplitude of both; NaN where energies are equal"),
-    Column::new("energy_j", "J", "averaged kinetic energy of both; NaN where amplitudes are equal"),
-    Column::new("frequency_hz", "Hz", "frequency of the point"),
-    Column::new("branch_frequency_hz", "Hz", "frequency of the branch there, linear between its points"),
-    Column::new(
-        "relative_difference",
-        "",
-        "the first over the second, minus one; negative where the overlay is softer",
-    ),
-    Column::new("peak_contact_force_n", "N", "largest contact force of the point; NaN where it is not known"),
-    Column::new("branch_peak_contact_force_n", "N", "that of the branch there"),
-    Column::new(
-        "impulse_ns",
-        "N·s",
-        "integral of all contact forces over a period at the point; NaN where it is not known",
-    ),
-    Column::new("branch_impulse_ns", "N·s", "that of the branch there"),
-    Column::new(
-        "motions",
-        "",
-        "motions of this amplitude, or energy, that one of the two has; with more than one, as at an internal resonance, the nearest in frequency is given, may be on another half-branch, and is not in the median; of measured points the one whose difference is most like that of points with one motion, which is in the median",
-    ),
-];
-
-/// Columns of `overlay_stops.csv` and `methods_stops.csv`.
-pub const STOP_DIFFERENCE_COLUMNS: [Column; 10] = [
-    Column::new("overlay", "", "name of what is laid over"),
-    Column::new("point", "", "its point, from 0"),
-    Column::new("contact", "", "number of the stop, from 0 in the order of the scene"),
-    Column::new(
-        "equal",
-        "",
-        "what both motions have in common: `modal amplitude`, `energy` where there are no amplitudes, or `frequency`; each point is listed for both comparisons",
-    ),
-    Column::new("frequency_hz", "Hz", "frequency of the point"),
-    Column::new("branch_frequency_hz", "Hz", "frequency of the branch there, linear between its points"),
-    Column::new("impulse_ns", "N·s", "integral of the force of this stop over a period at the point"),
-    Column::new("branch_impulse_ns", "N·s", "that of the branch there"),
-    Column::new(
-        "relative_difference",
-        "",
-        "the first over the second, minus one; NaN where the branch has no impulse there",
-    ),
-    Column::new(
-        "motions",
-        "",
-        "motions with this in common that one of the two has; with more than one the nearest is given, may be on another half-branch, and is not in the median",
-    ),
-];
 
 /// A file of results.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

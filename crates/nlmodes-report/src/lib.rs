@@ -42,20 +42,13 @@
 //!     omega: PI * omega_0 / (PI - (stop / amplitude).acos()),
 //!     coefficients: HarmonicCoefficients::zeros(1, 1),
 //!     kinetic_energy: 0.25 * (omega_0 * amplitude).powi(2),
-//!     harmonic_energy: Vec::new(),
-//!     resonance: None,
-//!     stability: None,
 //!     total_energy: 0.5 * (omega_0 * amplitude).powi(2),
 //!     modal_amplitude: amplitude,
 //!     fundamental: amplitude,
 //!     peak: stop,
-//!     contact_fraction: 0.0,
 //!     contact_intervals: 1,
-//!     peak_contact_force: 0.0,
-//!     contacts: Vec::new(),
-//!     residual: 0.0,
-//!     error_estimate: None,
 //!     events: if amplitude == stop { vec![Event::Grazing] } else { Vec::new() },
+//!     ..ModalPoint::default()
 //! };
 //! let branch = ModalBranch {
 //!     label: "exact".into(),
@@ -108,6 +101,6 @@ pub use output::write_file;
 pub use stop::StopLine;
 pub use style::FigureStyle;
 pub use table::{
-    APPROPRIATION_COLUMNS, BRANCH_COLUMNS, BranchWriter, PointHistories, RESPONSE_COLUMNS, hertz, write_branch,
-    write_contacts, write_harmonics, write_histories, write_matlab, write_participation, write_starts, write_summary,
+    BranchWriter, PointHistories, hertz, write_branch, write_contacts, write_harmonics, write_histories, write_matlab,
+    write_participation, write_rows, write_rows_to, write_starts, write_summary,
 };

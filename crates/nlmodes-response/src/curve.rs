@@ -1,35 +1,9 @@
 use std::f64::consts::TAU;
-use std::fmt;
 
 use nlmodes_continuation::StopReason;
-use nlmodes_hbm::{Floquet, Instability, PeriodicMotion, PeriodicSystem};
-use nlmodes_modal::{EndReason, Event};
+use nlmodes_hbm::{PeriodicMotion, PeriodicSystem};
+use nlmodes_modal::{BranchEnd, EndReason, Event, ModalPoint, Stability};
 use num_complex::Complex64;
-
-/// Stability of a response by its multipliers.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stability {
-    /// Whether disturbances die out; `None` within the error band.
-    pub stable: Option<bool>,
-    /// The multiplier of largest magnitude, imaginary part not negative.
-    pub largest: Complex64,
-    /// Estimated error of its magnitude.
-    pub error: f64,
-    /// How stability is lost by it.
-    pub instability: Instability,
-}
-
-impl Stability {
-    /// By the multipliers of a motion.
-    pub(crate) fn of(floquet: &Floquet) -> Self {
-        Self {
-            stable: floquet.is_stable(),
-            largest: floquet.largest(),
-            error: floquet.error,
-            instability: floquet.instability(),
-        }
-    }
-}
 
 /// A point of a curve.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,6 +33,16 @@ impl ResponsePoint {
         -self.drive.arg()
     }
 
+    /// As a point of a curve, without load and displacements: its fundamental is NaN.
+    pub fn modal_point(&self) -> ModalPoint {
+        ModalPoint {
+            stability: self.stability,
+            residual: self.residual,
+            events: self.events.clone(),
+            ..self.motion.point()
+        }
+    }
+
     /// Its coefficients as the first unknowns of another problem on the same structure with as many harmonics.
     pub(crate) fn coefficients_for(&self, system: &PeriodicSystem) -> Vec<f64> {
         let (series, (own, unit)) = (system.series(), &self.coefficients);
@@ -75,74 +59,34 @@ impl ResponsePoint {
     }
 }
 
-/// Why a curve has no further points.
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub enum CurveEnd {
-    /// It left the window of frequencies; the last point lies on its end, rad/s.
-    Window(f64),
-    /// The largest level or energy asked for is reached.
-    Limit,
-    /// It came back to where it began.
-    Closed,
-    /// It came to where another curve of the same problem goes on.
-    Joined,
-    /// It has as many points as were asked for.
-    MaxPoints,
-    /// It was asked to end.
-    Stopped,
-    /// No step could be shown to stay on the curve, for this reason.
-    Lost(String),
+/// Why the continuation has no further points; `omega` is the coordinate of the frequency, whose unit is `unit`, rad/s.
+pub(crate) fn end_of(stop: &StopReason, omega: usize, unit: f64) -> BranchEnd {
+    let (reason, message) = match stop {
+        StopReason::Bound { coordinate, value } if *coordinate == omega => {
+            let hertz = value * unit / TAU;
+            (EndReason::FrequencyWindow, format!("the frequency window ends at {hertz:.6} Hz"))
+        }
+        StopReason::Bound { .. } => (EndReason::Limit, "the largest level or energy is reached".to_owned()),
+        StopReason::Closed => (EndReason::Closed, "the curve is closed".to_owned()),
+        StopReason::Joined => return joined(),
+        StopReason::MaxPoints => (EndReason::MaxPoints, "it has as many points as were asked for".to_owned()),
+        StopReason::StepTooSmall { step, refusal } => {
+            return lost(format!("no step longer than {step:.0e} stays on the curve: {refusal}"));
+        }
+        _ => (EndReason::Stopped, "it was asked to end".to_owned()),
+    };
+    let is_complete = !matches!(reason, EndReason::MaxPoints | EndReason::Stopped);
+    BranchEnd::new(reason, message, is_complete)
 }
 
-impl CurveEnd {
-    /// Whether it ended at a limit that was asked for.
-    pub fn is_complete(&self) -> bool {
-        matches!(self, Self::Window(_) | Self::Limit | Self::Closed | Self::Joined)
-    }
-
-    /// Why, without the values.
-    pub fn reason(&self) -> EndReason {
-        match self {
-            Self::Window(_) => EndReason::FrequencyWindow,
-            Self::Limit => EndReason::Limit,
-            Self::Closed => EndReason::Closed,
-            Self::Joined => EndReason::Joined,
-            Self::MaxPoints => EndReason::MaxPoints,
-            Self::Stopped => EndReason::Stopped,
-            Self::Lost(_) => EndReason::NoConvergence,
-        }
-    }
-
-    /// From the reason of the continuation; `omega` and `limit` are the coordinates of frequency and of level or
-    /// energy.
-    pub(crate) fn of(stop: &StopReason, omega: usize, unit: f64) -> Self {
-        match stop {
-            StopReason::Bound { coordinate, value } if *coordinate == omega => Self::Window(value * unit),
-            StopReason::Bound { .. } => Self::Limit,
-            StopReason::Closed => Self::Closed,
-            StopReason::MaxPoints => Self::MaxPoints,
-            StopReason::StepTooSmall { step, refusal } => {
-                Self::Lost(format!("no step longer than {step:.0e} stays on the curve: {refusal}"))
-            }
-            StopReason::Joined => Self::Joined,
-            _ => Self::Stopped,
-        }
-    }
+/// That a curve came to where another curve of the same problem goes on.
+pub(crate) fn joined() -> BranchEnd {
+    BranchEnd::new(EndReason::Joined, "it meets another curve", true)
 }
 
-impl fmt::Display for CurveEnd {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Window(omega) => write!(f, "the frequency window ends at {:.6} Hz", omega / TAU),
-            Self::Limit => write!(f, "the largest level or energy is reached"),
-            Self::Closed => write!(f, "the curve is closed"),
-            Self::Joined => write!(f, "it meets another curve"),
-            Self::MaxPoints => write!(f, "it has as many points as were asked for"),
-            Self::Stopped => write!(f, "it was asked to end"),
-            Self::Lost(why) => write!(f, "{why}"),
-        }
-    }
+/// That a curve was lost, for this reason.
+pub(crate) fn lost(why: String) -> BranchEnd {
+    BranchEnd::new(EndReason::NoConvergence, why, false)
 }
 
 /// A curve of motions.
@@ -152,7 +96,7 @@ pub struct ResponseCurve {
     /// The points, in order.
     pub points: Vec<ResponsePoint>,
     /// Why there are no more.
-    pub end: CurveEnd,
+    pub end: BranchEnd,
     /// Of a curve of phase resonances: each one at the levels that were asked for, in the order of the curve.
     pub at_levels: Vec<ResponsePoint>,
 }

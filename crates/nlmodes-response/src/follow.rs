@@ -7,6 +7,7 @@ use nlmodes_hbm::{PeriodicSystem, PhaseLag, Refined, Source};
 use nlmodes_linalg::DenseLu;
 use num_complex::Complex64;
 
+use crate::curve::{end_of, lost};
 use crate::losses::name_lost_stability;
 use crate::{ResponseCurve, ResponseError, ResponsePoint, ResponseSettings, Stability};
 
@@ -77,8 +78,8 @@ impl Curve<'_> {
         let mut points = self.locate_losses(branch, points)?;
         name_lost_stability(&mut points);
         let end = match unsolved(&points) {
-            Some(why) => crate::CurveEnd::Lost(why),
-            None => crate::CurveEnd::of(&branch.stop, omega.0, omega.1),
+            Some(why) => lost(why),
+            None => end_of(&branch.stop, omega.0, omega.1),
         };
         let at_levels = self.at_levels(branch)?;
         Ok(ResponseCurve { points, end, at_levels })
@@ -150,7 +151,7 @@ impl Curve<'_> {
     }
 
     fn stability(&mut self, x: &[f64], p: f64) -> Result<Stability, ResponseError> {
-        Ok(Stability::of(&self.system.floquet(x, p, self.solver)?))
+        Ok(self.system.floquet(x, p, self.solver)?.stability())
     }
 
     /// Number of unknowns, which is the coordinate of the parameter.

@@ -37,7 +37,7 @@
 //!
 //! let settings = ResponseSettings { harmonics: 7, ..ResponseSettings::new([0.4, 1.0]) };
 //! let curve = frequency_response(&model, 0.1, &settings)?;
-//! assert!(curve.end.is_complete());
+//! assert!(curve.end.complete);
 //! let peak = curve.points.iter().map(|point| point.drive.norm()).fold(0.0, f64::max);
 //! assert!((peak - 0.9363).abs() < 3e-2); // 0.93630677 with 63 harmonics
 //! assert!(curve.points.iter().all(|point| (point.motion.input_power - point.motion.dissipated_power).abs() < 1e-10));
@@ -65,9 +65,9 @@ pub use analyses::{
 };
 pub use base_motion::{BaseMotion, BaseUnit};
 pub use cancel::Cancel;
-pub use nlmodes_modal::Event;
+pub use nlmodes_modal::{BranchEnd, EndReason, Event, Stability};
 
-pub use curve::{CurveEnd, ResponseCurve, ResponsePoint, Stability};
+pub use curve::{ResponseCurve, ResponsePoint};
 pub use damping::{Damping, Dashpot};
 pub use error::ResponseError;
 pub use history::{ContactPattern, ContactState};

@@ -1,7 +1,6 @@
 //! Where responses lose their stability.
 
 use nlmodes_continuation::{Branch, BranchPoint};
-use nlmodes_hbm::Instability;
 use nlmodes_modal::Event;
 
 use crate::follow::{CONVERGED, Curve};
@@ -13,13 +12,13 @@ const LOCATED: f64 = 1e-9;
 
 /// A point at which a multiplier passes the unit circle, with the name of that.
 fn named(mut point: ResponsePoint) -> ResponsePoint {
-    let event = point.stability.and_then(|s| event_of(s.instability));
+    let event = point.stability.and_then(|s| s.loss());
     point.events.extend(event);
     point
 }
 
 fn is_oscillating(point: &ResponsePoint) -> bool {
-    point.stability.is_some_and(|s| s.largest.norm() > 1.0 && s.instability != Instability::Fold)
+    point.stability.is_some_and(|s| s.magnitude() > 1.0 && s.loss().is_some())
 }
 
 impl Curve<'_> {
@@ -29,7 +28,7 @@ impl Curve<'_> {
         branch: &Branch,
         points: Vec<ResponsePoint>,
     ) -> Result<Vec<ResponsePoint>, ResponseError> {
-        let beyond = |p: &ResponsePoint| p.stability.map(|s| s.largest.norm() - 1.0);
+        let beyond = |p: &ResponsePoint| p.stability.map(|s| s.magnitude() - 1.0);
         let mut located: Vec<ResponsePoint> = Vec::with_capacity(points.len());
         for (i, point) in points.into_iter().enumerate() {
             let pair = i.checked_sub(1).map(|before| (&branch.points[before], &branch.points[i]));
@@ -68,7 +67,7 @@ impl Curve<'_> {
             guess.tangent = step.iter().map(|s| s / length).collect();
             guess.events.clear();
             let point = self.point(&guess)?;
-            let Some(value) = point.stability.map(|s| s.largest.norm() - 1.0) else { break };
+            let Some(value) = point.stability.map(|s| s.magnitude() - 1.0) else { break };
             if point.residual > CONVERGED {
                 break;
             }
@@ -82,7 +81,7 @@ impl Curve<'_> {
                 break;
             }
         }
-        Ok(found.filter(|point| point.stability.is_some_and(|s| (s.largest.norm() - 1.0).abs() < 1e-3)))
+        Ok(found.filter(|point| point.stability.is_some_and(|s| (s.magnitude() - 1.0).abs() < 1e-3)))
     }
 }
 
@@ -95,7 +94,7 @@ pub(crate) fn name_lost_stability(points: &mut [ResponsePoint]) {
         if let Some((before, was)) = last.filter(|(_, was)| was.stable != now.stable) {
             let (place, unstable) = if now.stable == Some(false) { (i, now) } else { (before, was) };
             let is_named = points[before..=i].iter().any(|point| point.events.iter().any(is_loss));
-            points[place].events.extend(event_of(unstable.instability).filter(|_| !is_named));
+            points[place].events.extend(unstable.loss().filter(|_| !is_named));
         }
         last = Some((i, now));
     }
@@ -103,12 +102,4 @@ pub(crate) fn name_lost_stability(points: &mut [ResponsePoint]) {
 
 fn is_loss(event: &Event) -> bool {
     matches!(event, Event::PeriodDoubling | Event::NeimarkSacker)
-}
-
-fn event_of(instability: Instability) -> Option<Event> {
-    match instability {
-        Instability::PeriodDoubling => Some(Event::PeriodDoubling),
-        Instability::NeimarkSacker => Some(Event::NeimarkSacker),
-        Instability::Fold => None,
-    }
 }

@@ -4,7 +4,8 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use nlmodes::report::{APPROPRIATION_COLUMNS, write_file};
+use nlmodes::report::columns::{AppropriationRow, Row};
+use nlmodes::report::write_rows;
 use num_complex::Complex64;
 
 use crate::Failure;
@@ -32,15 +33,14 @@ pub fn write(directory: &Path, rows: &[Forces]) -> Result<(), Failure> {
     if rows.is_empty() {
         return Ok(());
     }
-    let mut table = csv::Writer::from_writer(Vec::new());
-    table.write_record(APPROPRIATION_COLUMNS.map(|column| column.name))?;
-    for Forces { point, omega, drive, amplitudes } in rows {
-        for (index, f) in amplitudes.iter().enumerate() {
-            let numbers = [omega / TAU, f.norm(), f.arg().to_degrees()].map(|v| format!("{v:?}"));
-            let [hertz, size, phase] = numbers;
-            table.write_record([point.to_string(), hertz, drive.to_string(), (index + 1).to_string(), size, phase])?;
-        }
-    }
-    let bytes = table.into_inner().map_err(|error| error.into_error())?;
-    Ok(write_file(directory.join(FILE), &bytes)?)
+    let row = |from: &Forces, (index, f): (usize, &Complex64)| AppropriationRow {
+        point: from.point,
+        frequency_hz: from.omega / TAU,
+        drive: from.drive,
+        harmonic: index + 1,
+        force_n: f.norm(),
+        phase_deg: f.arg().to_degrees(),
+    };
+    let rows = rows.iter().flat_map(|from| from.amplitudes.iter().enumerate().map(move |force| row(from, force)));
+    Ok(write_rows(directory.join(FILE), &AppropriationRow::unknown(), rows)?)
 }

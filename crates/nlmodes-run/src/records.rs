@@ -101,8 +101,8 @@ pub fn extract_tables(
 /// # Errors
 /// None but those of a writer to memory.
 pub fn table_of(outcomes: &[RecordOutcome], modes: usize) -> Result<Vec<u8>, Failure> {
-    let mut table = Table::new(modes, None)?;
-    outcomes.iter().try_for_each(|outcome| table.push(outcome))?;
+    let mut table = Table::new(modes, None);
+    outcomes.iter().for_each(|outcome| table.push(outcome));
     table.into_bytes()
 }
 
@@ -190,8 +190,8 @@ fn help(error: &RecordError) -> &'static [&'static str] {
 fn write(scene: &RecordScene, outcomes: &[RecordOutcome], laid: &[Laid]) -> Result<(), Failure> {
     let directory = &scene.output_directory;
     let modes = scene.settings.linear_modes.as_ref().map_or(0, |modes| modes.n_modes());
-    let mut table = Table::new(modes, None)?;
-    outcomes.iter().try_for_each(|outcome| table.push(outcome))?;
+    let mut table = Table::new(modes, None);
+    outcomes.iter().for_each(|outcome| table.push(outcome));
     table.write(&directory.join("modal_points.csv"))?;
     summary::write(directory, scene, outcomes)?;
     let drawn = figures::write(directory, &scene.title, outcomes, laid)?;

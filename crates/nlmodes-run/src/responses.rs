@@ -31,7 +31,6 @@ use crate::journal::Journal;
 use crate::style::style_of;
 use crate::updating::updated;
 use crate::{Event, Failure, Observer, Over, RunError, links, no_contact};
-use convert::Converter;
 pub use curves::ComputedResponse;
 use curves::{Job, detached, follow, jobs};
 use model::Model;
@@ -117,7 +116,7 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
             follow(&model, &file.scene, job, (&name, &log), observer.watch()).into_iter().enumerate()
         {
             observer.event(Event::CurveDone {
-                name: &computed.name,
+                name: &computed.branch.label,
                 is_further: further > 0,
                 outcome: computed.said(),
                 is_complete: computed.is_complete(),
@@ -130,7 +129,7 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
         claim.take_at_once()?;
         // The table of an earlier run stands until this one has come as far.
         if computing.get() {
-            tables::write_points(&directory, &file.scene, &model, curves).map_err(|source| unwritable(source, true))?;
+            tables::write_points(&directory, model.unit, curves).map_err(|source| unwritable(source, true))?;
         }
         Ok::<bool, RunError>(observer.is_cancelled())
     };
@@ -153,18 +152,18 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
         }
         found = detached(&file.scene, &curves);
     }
-    if curves.iter().all(|computed| computed.curve.is_err()) && is_cut_off {
+    if curves.iter().all(|computed| computed.motions.is_none()) && is_cut_off {
         return Err(RunError::Ended);
     }
     if !computing.get() {
-        tables::write_points(&directory, &file.scene, &model, &curves).map_err(|source| unwritable(source, true))?;
+        tables::write_points(&directory, model.unit, &curves).map_err(|source| unwritable(source, true))?;
     }
     let certificate = certified::certificate(&file.scene, &model, &curves);
-    let compared = compared(&file.scene, &model, &curves, &laid);
-    let left_out = compared.iter().flatten().filter_map(|(curve, found)| overlaid::left_out(curve, found));
+    let beside = |curve: &LaidCurve| (curve.clone(), overlaid::beside(curve, &curves));
+    let compared: Vec<(LaidCurve, Vec<Beside>)> = laid.iter().map(beside).collect();
+    let left_out = compared.iter().filter_map(|(curve, found)| overlaid::left_out(curve, found));
     left_out.for_each(|text| observer.event(Event::Warning(&text)));
-    let write = |compared: Vec<_>| files(&file.scene, &model, (&curves, &laid), &compared, &certificate, began);
-    let failure = compared.and_then(write).err();
+    let failure = files(&file.scene, &model, (&curves, &laid), &compared, &certificate, began).err();
     Ok(ResponsesOutcome {
         scene: file.scene,
         curves,
@@ -174,19 +173,6 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
         not_begun,
         failure,
     })
-}
-
-/// What is laid over, with the points of this scene beside its own.
-fn compared(
-    scene: &Scene,
-    model: &Model,
-    curves: &[ComputedResponse],
-    laid: &[LaidCurve],
-) -> Result<Vec<(LaidCurve, Vec<Beside>)>, Failure> {
-    let converter = Converter::new(model)?;
-    let subharmonic = |computed: &ComputedResponse| scene.responses[computed.response].subharmonic;
-    let beside = |curve: &LaidCurve| (curve.clone(), overlaid::beside(curve, curves, &converter, &subharmonic));
-    Ok(laid.iter().map(beside).collect())
 }
 
 /// Most detached curves that are followed.
@@ -204,7 +190,7 @@ fn files(
     let directory = &scene.output_directory;
     overlaid::write(directory, compared)?;
     let sentences: Vec<String> = compared.iter().map(|(curve, found)| overlaid::sentence(curve, found)).collect();
-    tables::write_motions(directory, scene, model, curves)?;
+    tables::write_motions(directory, curves)?;
     tables::write_forces(directory, curves)?;
     histories::write(directory, scene, model, curves)?;
     summary::write(directory, scene, model, (curves, certificate), began)?;

@@ -9,6 +9,7 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
+use nlmodes::report::columns::Row as ColumnRow;
 use thiserror::Error;
 
 /// What may stand between two cells.
@@ -197,14 +198,18 @@ impl Sheet {
         Ok(Some(Row { line, cells }))
     }
 
-    /// The number in a cell; NaN where that is empty or holds no finite one.
-    pub fn number(&self, row: &Row, column: Option<usize>, name: &'static str) -> Result<f64, SheetError> {
-        let text = row.text(column);
-        if text.is_empty() {
-            return Ok(f64::NAN);
-        }
-        let value = text.parse::<f64>().map_err(|_| self.no_number(row, name, text))?;
-        Ok(if value.is_finite() { value } else { f64::NAN })
+    /// Where the columns of such rows stand, where the table has them.
+    pub fn places<R: ColumnRow>(&self) -> Vec<Option<usize>> {
+        R::COLUMNS.iter().map(|column| self.column(column.name)).collect()
+    }
+
+    /// The columns at these places in a row.
+    pub fn read<R: ColumnRow>(&self, row: &Row, places: &[Option<usize>]) -> Result<R, SheetError> {
+        let cell = |k: usize| row.text(places.get(k).copied().flatten());
+        R::read(cell).map_err(|column| {
+            let place = self.column(column.name);
+            self.no_number(row, column.name, row.text(place))
+        })
     }
 
     /// That a cell holds something else than a number.
@@ -277,6 +282,7 @@ fn split(text: &str, separator: char) -> Option<Vec<String>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nlmodes::report::columns::BranchRow;
 
     /// The rows of a table by the two columns `frequency_hz` and `energy_j`, or what is wrong with it without its path.
     fn read(bytes: &[u8]) -> Result<Vec<(u64, [f64; 2])>, String> {
@@ -285,11 +291,12 @@ mod tests {
         std::fs::write(&path, bytes).unwrap();
         let rows = || {
             let mut sheet = Sheet::open(&path)?;
-            let columns = [sheet.needed("frequency_hz")?, sheet.needed("energy_j")?];
-            let mut rows = Vec::new();
+            sheet.needed("frequency_hz")?;
+            sheet.needed("energy_j")?;
+            let (places, mut rows) = (sheet.places::<BranchRow>(), Vec::new());
             while let Some(row) = sheet.row()? {
-                let value = |k: usize, name| sheet.number(&row, Some(columns[k]), name);
-                rows.push((row.line, [value(0, "frequency_hz")?, value(1, "energy_j")?]));
+                let read: BranchRow = sheet.read(&row, &places)?;
+                rows.push((row.line, [read.frequency_hz, read.energy_j]));
             }
             sheet.refuse_open_end().map(|()| rows)
         };

@@ -172,7 +172,7 @@ fn levels(scene: &TestScene, rig: &Rig, test: &VirtualTest, observer: &mut dyn O
         stop: rig.bench.extraction_stop(),
         ..scene.settings.clone()
     };
-    let mut table = results::table(scene, rig).map_err(|error| chain(error.as_ref()))?;
+    let mut table = results::table(scene, rig);
     let (mut count, mut failure) = (0, None);
     let run = virtual_test::run_while(test, &settings, &observer.watch(), |level| {
         count += 1;
@@ -186,7 +186,7 @@ fn levels(scene: &TestScene, rig: &Rig, test: &VirtualTest, observer: &mut dyn O
 /// Writes the table up to this level, and its record, if that is to be kept.
 fn write(scene: &TestScene, count: usize, level: &TestLevel, table: &mut Table) -> Result<(), String> {
     keep(scene, count, level)?;
-    table.push(&results::outcome(level)).map_err(|error| chain(error.as_ref()))?;
+    table.push(&results::outcome(level));
     table.write(&scene.output_directory.join("modal_points.csv")).map_err(|error| chain(&error))
 }
 

@@ -1,4 +1,5 @@
 use nlmodes_linalg::{Mat, eigenvalues};
+use nlmodes_modal::Stability;
 use num_complex::Complex64;
 
 use crate::phase::dot;
@@ -59,6 +60,12 @@ impl Floquet {
     /// exponentially.
     pub fn is_stable(&self) -> bool {
         self.largest() <= 1.0 + UNIT_CIRCLE
+    }
+
+    /// The same with the largest multiplier.
+    pub fn stability(&self) -> Stability {
+        let largest = self.multipliers.first().map_or([1.0, 0.0], |μ| [μ.re, μ.im.abs()]);
+        Stability::conservative(self.is_stable(), largest)
     }
 }
 

@@ -147,8 +147,6 @@ impl ModeShooting {
             coefficients,
             kinetic_energy: motion.kinetic_energy,
             harmonic_energy,
-            resonance: None,
-            stability: None,
             total_energy: motion.total_energy,
             modal_amplitude,
             peak: match touches {
@@ -160,8 +158,7 @@ impl ModeShooting {
             peak_contact_force: contacts.iter().map(|contact| contact.peak_force).fold(0.0, f64::max),
             contacts,
             residual,
-            error_estimate: None,
-            events: Vec::new(),
+            ..ModalPoint::default()
         })
     }
 

@@ -113,8 +113,6 @@ impl RecordExtraction {
             coefficients: self.motion.clone(),
             kinetic_energy: modal.kinetic_energy.value,
             harmonic_energy: modal.harmonic_energy.clone(),
-            resonance: None,
-            stability: None,
             total_energy: f64::NAN,
             modal_amplitude: modal.amplitude.value,
             fundamental: self.motion.of(last)[1].norm(),
@@ -122,10 +120,8 @@ impl RecordExtraction {
             contact_fraction: contact.map_or(f64::NAN, |contact| contact.closed_fraction),
             contact_intervals: contact.map_or(0, |contact| contact.intervals_per_period.round() as usize),
             peak_contact_force: contact.map_or(f64::NAN, |contact| contact.peak_force.value),
-            contacts: Vec::new(),
             residual: f64::NAN,
-            error_estimate: None,
-            events: vec![],
+            ..ModalPoint::default()
         })
     }
 }

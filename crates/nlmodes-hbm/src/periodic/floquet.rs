@@ -1,23 +1,13 @@
 use std::f64::consts::TAU;
 
 use nlmodes_linalg::{Mat, eigenvalues, matrix_exponential, max_norm};
+use nlmodes_modal::Stability;
 use num_complex::Complex64;
 
 use super::block::dynamic_stiffness;
 use super::operating_point::OperatingPoint;
 use super::system::PeriodicSystem;
 use crate::{ContactOperator, HbmError, RealSeries, Symmetry};
-
-/// How a periodic response loses its stability: by the multiplier that is largest.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Instability {
-    /// At +1: a fold, or a branch point.
-    Fold,
-    /// At −1: motions of twice the period.
-    PeriodDoubling,
-    /// A complex pair: quasiperiodic motions.
-    NeimarkSacker,
-}
 
 /// Floquet multipliers of a periodic response from its contact instants.
 ///
@@ -42,23 +32,10 @@ impl Floquet {
         self.multipliers.first().map_or(Complex64::default(), |m| Complex64::new(m.re, m.im.abs()))
     }
 
-    /// Whether small disturbances die out; `None` where the largest multiplier is as close to the unit circle as it is
-    /// uncertain.
-    pub fn is_stable(&self) -> Option<bool> {
-        let beyond = self.largest().norm() - 1.0;
-        (beyond.abs() > self.error).then_some(beyond < 0.0)
-    }
-
-    /// What happens where the largest multiplier leaves the unit circle.
-    pub fn instability(&self) -> Instability {
+    /// Whether small disturbances die out, by the largest multiplier.
+    pub fn stability(&self) -> Stability {
         let largest = self.largest();
-        if largest.im.abs() > 1e-6 * largest.norm() {
-            Instability::NeimarkSacker
-        } else if largest.re > 0.0 {
-            Instability::Fold
-        } else {
-            Instability::PeriodDoubling
-        }
+        Stability::damped([largest.re, largest.im], self.error)
     }
 }
 

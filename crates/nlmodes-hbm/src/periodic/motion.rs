@@ -1,5 +1,7 @@
+use std::f64::consts::TAU;
+
 use nlmodes_linalg::max_norm;
-use nlmodes_modal::{HarmonicCoefficients, ModalPoint, TimeHistory};
+use nlmodes_modal::{ContactPeriod, HarmonicCoefficients, ModalPoint, TimeHistory};
 use nlmodes_model::DofContact;
 use num_complex::Complex64;
 
@@ -28,6 +30,20 @@ pub struct ContactMotion {
     pub fundamental: Complex64,
     /// The same of the displacement that there would be without contact forces of this instant, m: `Y η + a`.
     pub free_fundamental: Complex64,
+}
+
+impl ContactMotion {
+    /// What it does, without its displacement, in a motion of this angular frequency, rad/s.
+    pub fn period(&self, omega: f64) -> ContactPeriod {
+        ContactPeriod {
+            closed_share: self.closed_share,
+            peak_force: self.peak_force,
+            mean_force: self.mean_force,
+            impulse: self.mean_force * TAU / omega,
+            touches: self.touches,
+            approach_velocity: self.approach,
+        }
+    }
 }
 
 /// A periodic motion, free or forced: amplitudes are those of `Re Σ z_n e^{inωt}`.
@@ -75,6 +91,31 @@ impl PeriodicMotion {
     /// Modal amplitude `√(η_1ᴴ η_1)` of the fundamental, m √kg, eqs. (21), (22).
     pub fn modal_amplitude(&self) -> f64 {
         self.eta.get(1).map_or(0.0, |eta| eta.iter().map(|e| e.norm_sqr()).sum::<f64>().sqrt())
+    }
+}
+
+impl PeriodicMotion {
+    /// As a point of a curve, without displacements, whose coordinates the motion does not know: its fundamental and,
+    /// without a contact, its peak are NaN.
+    pub fn point(&self) -> ModalPoint {
+        let (omega, first) = (self.at.omega, self.contacts.first());
+        let kinetic = |(n, eta): (usize, &Vec<Complex64>)| {
+            0.25 * (n as f64 * omega).powi(2) * eta.iter().map(|e| e.norm_sqr()).sum::<f64>()
+        };
+        ModalPoint {
+            omega,
+            kinetic_energy: self.kinetic_energy,
+            harmonic_energy: self.eta.iter().enumerate().map(kinetic).collect(),
+            total_energy: self.total_energy,
+            modal_amplitude: self.modal_amplitude(),
+            fundamental: f64::NAN,
+            peak: first.map_or(f64::NAN, |c| c.peak),
+            contact_fraction: first.map_or(f64::NAN, |c| c.closed_share),
+            contact_intervals: self.contacts.iter().map(|c| c.touches).sum(),
+            peak_contact_force: max_norm(self.contacts.iter().map(|c| c.peak_force)),
+            contacts: self.contacts.iter().map(|c| c.period(omega)).collect(),
+            ..ModalPoint::default()
+        }
     }
 }
 
@@ -134,12 +175,9 @@ impl PeriodicSystem {
     /// [`HbmError`] if the contact problem has no solution there.
     pub fn modal_point(&mut self, x: &[f64], contacts: &[DofContact], residual: f64) -> Result<ModalPoint, HbmError> {
         let motion = self.motion(x, 0.0)?;
-        let (m, omega) = (self.structure.n_modes(), motion.at.omega);
-        let periods = self.operator.contact_periods(omega);
+        let m = self.structure.n_modes();
+        let periods = self.operator.contact_periods(motion.at.omega);
         let coefficients = self.reduced_coefficients(&motion, contacts);
-        let nu = |n: usize| n as f64 * omega;
-        let kinetic =
-            |(n, eta): (usize, &Vec<Complex64>)| 0.25 * nu(n).powi(2) * eta.iter().map(|e| e.norm_sqr()).sum::<f64>();
         let first = contacts.first().map_or(m, |contact| contact.dof);
         let fundamental = coefficients.of(first)[1];
         let even = self.series().symmetry == Symmetry::Even;
@@ -149,23 +187,14 @@ impl PeriodicSystem {
             fundamental.norm().copysign(if fundamental.re == 0.0 { 1.0 } else { fundamental.re })
         };
         Ok(ModalPoint {
-            omega,
             fundamental: signed,
-            kinetic_energy: motion.kinetic_energy,
-            harmonic_energy: motion.eta.iter().enumerate().map(kinetic).collect(),
-            resonance: None,
-            stability: None,
-            total_energy: motion.total_energy,
-            modal_amplitude: motion.modal_amplitude(),
-            peak: motion.contacts.first().map_or(0.0, |contact| contact.peak),
             contact_fraction: periods.first().map_or(0.0, |contact| contact.closed_share),
             contact_intervals: periods.iter().map(|contact| contact.touches).sum(),
             peak_contact_force: max_norm(periods.iter().map(|contact| contact.peak_force)),
             contacts: periods,
             residual,
-            error_estimate: None,
-            events: Vec::new(),
             coefficients,
+            ..motion.point()
         })
     }
 

@@ -1,29 +1,27 @@
 use super::{
-    Column, DIFFERENCE_COLUMNS, FileMeaning, MODAL_POINT_COLUMNS, RESPONSE_DIFFERENCE_COLUMNS, STOP_DIFFERENCE_COLUMNS,
+    AppropriationRow, BranchRow, Column, ContactRow, DifferenceRow, FileMeaning, ModalPointRow, ParticipationRow,
+    ResponseDifferenceRow, ResponseRow, Row, StopDifferenceRow,
 };
-use crate::table::{
-    APPROPRIATION_COLUMNS, BRANCH_MEANINGS, CONTACT_COLUMNS, HARMONIC_ARRAYS, HISTORY_ARRAYS, MATLAB_VARIABLES,
-    PARTICIPATION_COLUMNS, RESPONSE_COLUMNS, START_ARRAYS,
-};
+use crate::table::{HARMONIC_ARRAYS, HISTORY_ARRAYS, MATLAB_VARIABLES, START_ARRAYS};
 
 /// The results files of a structure, in order of usefulness.
 pub const FILES: [FileMeaning; 22] = [
     FileMeaning {
         name: "branch.csv",
         meaning: "The branch, a row a point, written as points are found; other branches of a run stand in folders of their own",
-        columns: &[&BRANCH_MEANINGS],
+        columns: &[BranchRow::COLUMNS],
     },
     FileMeaning {
         name: "branch.csv of responses",
         meaning: "Of a scene with responses, the points of all its curves: the columns above, with the frequency of the load in `frequency_hz` and the amplitude of stop 0 at that frequency in `fundamental_m`, and these",
-        columns: &[&RESPONSE_COLUMNS],
+        columns: &[ResponseRow::COLUMNS],
     },
     FileMeaning {
         name: "appropriation.csv",
         meaning: "Of responses of kind \"appropriation\", the forces that bring the damped structure into its mode, a row a point, drive point and harmonic; of a test with several controlled harmonics the measured ones, a row a level and harmonic",
-        columns: &[&APPROPRIATION_COLUMNS],
+        columns: &[AppropriationRow::COLUMNS],
     },
-    FileMeaning { name: "contacts.csv", meaning: "The stops, a row a point and stop", columns: &[&CONTACT_COLUMNS] },
+    FileMeaning { name: "contacts.csv", meaning: "The stops, a row a point and stop", columns: &[ContactRow::COLUMNS] },
     FileMeaning {
         name: "harmonics.npz",
         meaning: "The motions as complex Fourier coefficients, for NumPy (P points, D recorded degrees of freedom, H harmonics)",
@@ -42,12 +40,12 @@ pub const FILES: [FileMeaning; 22] = [
     FileMeaning {
         name: "participation.csv",
         meaning: "Participation of the lowest linear modes, a row a point",
-        columns: &[&PARTICIPATION_COLUMNS],
+        columns: &[ParticipationRow::COLUMNS],
     },
     FileMeaning {
         name: "modal_points.csv",
         meaning: "Of records and virtual tests, a row a record or level; cells that a record does not give are empty",
-        columns: &[&MODAL_POINT_COLUMNS],
+        columns: &[ModalPointRow::COLUMNS],
     },
     FileMeaning {
         name: "backbone.csv",
@@ -57,22 +55,22 @@ pub const FILES: [FileMeaning; 22] = [
     FileMeaning {
         name: "overlay.csv",
         meaning: "With `[[overlay]]`: its points against the first branch at equal modal amplitude, or equal energy where they have no amplitude",
-        columns: &[&DIFFERENCE_COLUMNS],
+        columns: &[DifferenceRow::COLUMNS],
     },
     FileMeaning {
         name: "response_overlay.csv",
         meaning: "With `[[overlay]]` beside responses: its points against the curve over the frequency that is nearest at the same frequency, of the same level where the point has one",
-        columns: &[&RESPONSE_DIFFERENCE_COLUMNS],
+        columns: &[ResponseDifferenceRow::COLUMNS],
     },
     FileMeaning {
         name: "methods.csv",
         meaning: "Where a scene has several methods or numbers of harmonics: each point of the others against the first one at equal modal amplitude",
-        columns: &[&DIFFERENCE_COLUMNS],
+        columns: &[DifferenceRow::COLUMNS],
     },
     FileMeaning {
         name: "methods_stops.csv",
         meaning: "The same stop by stop: the impulse of each at equal modal amplitude, or energy, and at equal frequency; `overlay_stops.csv` where a branch with `contacts.csv` is laid over",
-        columns: &[&STOP_DIFFERENCE_COLUMNS],
+        columns: &[StopDifferenceRow::COLUMNS],
     },
     FileMeaning {
         name: "starts.npz",

@@ -1,78 +1,59 @@
-use super::Column;
+//! The table of records and of the levels of tests.
 
-/// Columns of `modal_points.csv`, of records and of virtual tests.
-pub const MODAL_POINT_COLUMNS: [Column; 37] = [
-    Column::new("record", "", "name of the record, or of the level of a test"),
-    Column::new("drive_v", "V", "of a test: amplitude of the signal to the exciter"),
-    Column::new("drive_n", "N", "of a test with an ideal force: its amplitude"),
-    Column::new("frequency_hz", "Hz", "frequency of the vibration"),
-    Column::new("modal_amplitude", "m √kg", "nonlinear modal amplitude, of shapes with unit modal mass"),
-    Column::new(
-        "damping",
-        "",
-        "`P₁/(q̃² ω³)`: power of the first harmonic of the force over modal amplitude and angular frequency, a damping ratio",
-    ),
-    Column::new(
-        "lag_deg",
-        "°",
-        "by how much the displacement of the drive point lags the force in the first harmonic; 90 at phase resonance",
-    ),
-    Column::new(
-        "pbmif",
-        "",
-        "power-based mode indicator: active over apparent power of the force, one at phase resonance of all harmonics",
-    ),
-    Column::new("pbmif_harmonics", "", "harmonics that it takes"),
-    Column::new(
-        "participation_…",
-        "",
-        "participation of the linear mode: its coordinate over the modal amplitude, summed over the harmonics at the peak of the first one",
-    ),
-    Column::new("participation_harmonics", "", "harmonics in the participation"),
-    Column::new(
-        "peak_contact_force_n",
-        "N",
-        "largest contact force of the mean period, without the noise of the force cell",
-    ),
-    Column::new(
-        "contact_stiffness_n_m",
-        "N/m",
-        "slope of the contact force over the displacement at the stop while it is touched",
-    ),
-    Column::new("restitution_mean", "", "speed after over speed before an impact, mean over the impacts"),
-    Column::new("restitution_std", "", "its standard deviation"),
-    Column::new("approach_speed_m_s", "m/s", "speed before an impact, mean over the impacts"),
-    Column::new("impacts", "", "impacts in the record"),
-    Column::new("contact_fraction", "", "share of the time in which the stop is touched"),
-    Column::new("force_n", "N", "amplitude of the force in the first harmonic"),
-    Column::new("power_w", "W", "active power of the force in the first harmonic"),
-    Column::new(
-        "total_power_w",
-        "W",
-        "active power of the force in as many harmonics as pbmif_harmonics says, eq. (17)",
-    ),
-    Column::new("linear_dissipation_w", "W", "power that the damping ratios of the linear modes would take"),
-    Column::new("energy_j", "J", "kinetic energy, averaged over a period"),
-    Column::new("periods", "", "whole periods that were evaluated"),
-    Column::new(
-        "frequency_hz_uncertainty",
-        "Hz",
-        "standard error, over the single periods, of the column of this name",
-    ),
-    Column::new("modal_amplitude_uncertainty", "m √kg", "the same"),
-    Column::new("damping_uncertainty", "", "the same"),
-    Column::new("lag_deg_uncertainty", "°", "the same"),
-    Column::new("pbmif_uncertainty", "", "the same"),
-    Column::new("peak_contact_force_n_uncertainty", "N", "the same"),
-    Column::new("contact_stiffness_n_m_uncertainty", "N/m", "the same, with one impact left out at a time"),
-    Column::new("force_n_uncertainty", "N", "the same"),
-    Column::new("power_w_uncertainty", "W", "the same"),
-    Column::new("total_power_w_uncertainty", "W", "the same"),
-    Column::new("energy_j_uncertainty", "J", "the same"),
-    Column::new("participation_…_uncertainty", "", "the same"),
-    Column::new(
-        "findings",
-        "",
-        "names of what was found wrong with the record, one space between; `summary.json` says each in words",
-    ),
-];
+use super::row::{Numbered, Sometimes, row};
+
+row! {
+    /// A record, or a level of a test, of `modal_points.csv`.
+    ModalPointRow {
+        record: String, "", "name of the record, or of the level of a test";
+        drive_v: Sometimes<Option<f64>>, "V", "of a test: amplitude of the signal to the exciter";
+        drive_n: Sometimes<Option<f64>>, "N", "of a test with an ideal force: its amplitude";
+        frequency_hz: Option<f64>, "Hz", "frequency of the vibration";
+        modal_amplitude: Option<f64>, "m √kg", "nonlinear modal amplitude, of shapes with unit modal mass";
+        damping: Option<f64>, "",
+            "`P₁/(q̃² ω³)`: power of the first harmonic of the force over modal amplitude and angular frequency, a \
+             damping ratio";
+        lag_deg: Option<f64>, "°",
+            "by how much the displacement of the drive point lags the force in the first harmonic; 90 at phase \
+             resonance";
+        pbmif: Option<f64>, "",
+            "power-based mode indicator: active over apparent power of the force, one at phase resonance of all \
+             harmonics";
+        pbmif_harmonics: Option<usize>, "", "harmonics that it takes";
+        participation "participation_…": Numbered<Option<f64>>, "",
+            "participation of the linear mode: its coordinate over the modal amplitude, summed over the harmonics \
+             at the peak of the first one";
+        participation_harmonics: Option<usize>, "", "harmonics in the participation";
+        peak_contact_force_n: Option<f64>, "N",
+            "largest contact force of the mean period, without the noise of the force cell";
+        contact_stiffness_n_m: Option<f64>, "N/m",
+            "slope of the contact force over the displacement at the stop while it is touched";
+        restitution_mean: Option<f64>, "", "speed after over speed before an impact, mean over the impacts";
+        restitution_std: Option<f64>, "", "its standard deviation";
+        approach_speed_m_s: Option<f64>, "m/s", "speed before an impact, mean over the impacts";
+        impacts: Option<usize>, "", "impacts in the record";
+        contact_fraction: Option<f64>, "", "share of the time in which the stop is touched";
+        force_n: Option<f64>, "N", "amplitude of the force in the first harmonic";
+        power_w: Option<f64>, "W", "active power of the force in the first harmonic";
+        total_power_w: Option<f64>, "W",
+            "active power of the force in as many harmonics as pbmif_harmonics says, eq. (17)";
+        linear_dissipation_w: Option<f64>, "W", "power that the damping ratios of the linear modes would take";
+        energy_j: Option<f64>, "J", "kinetic energy, averaged over a period";
+        periods: Option<usize>, "", "whole periods that were evaluated";
+        frequency_hz_uncertainty: Option<f64>, "Hz",
+            "standard error, over the single periods, of the column of this name";
+        modal_amplitude_uncertainty: Option<f64>, "m √kg", "the same";
+        damping_uncertainty: Option<f64>, "", "the same";
+        lag_deg_uncertainty: Option<f64>, "°", "the same";
+        pbmif_uncertainty: Option<f64>, "", "the same";
+        peak_contact_force_n_uncertainty: Option<f64>, "N", "the same";
+        contact_stiffness_n_m_uncertainty: Option<f64>, "N/m", "the same, with one impact left out at a time";
+        force_n_uncertainty: Option<f64>, "N", "the same";
+        power_w_uncertainty: Option<f64>, "W", "the same";
+        total_power_w_uncertainty: Option<f64>, "W", "the same";
+        energy_j_uncertainty: Option<f64>, "J", "the same";
+        participation_uncertainty "participation_…_uncertainty": Numbered<Option<f64>>, "", "the same";
+        findings: String, "",
+            "names of what was found wrong with the record, one space between; `summary.json` says each in words";
+    }
+}

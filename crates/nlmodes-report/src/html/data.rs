@@ -169,7 +169,12 @@ impl BranchData {
         let resumed = points.iter().enumerate().filter(|(_, point)| point.has_event(Event::Resumed));
         let tongues = tongues(points).into_iter();
         let n_stops = points.iter().map(|point| point.contacts.len()).min().unwrap_or(0);
-        let judged = || points.iter().enumerate().filter_map(|(i, point)| Some((i, point.stability?)));
+        let judged = || {
+            points
+                .iter()
+                .enumerate()
+                .filter_map(|(i, point)| Some((i, point.stability.filter(|s| s.stable.is_some())?)))
+        };
         Self {
             label: branch.label.clone(),
             color: report.color(index),
@@ -190,7 +195,7 @@ impl BranchData {
                 .map(|(i, point)| (i, point.events.iter().map(|event| event.name()).collect()))
                 .collect(),
             resonance: resonant.collect(),
-            unstable: judged().filter(|(_, s)| !s.stable).map(|(i, _)| i).collect(),
+            unstable: judged().filter(|(_, s)| s.is_unstable()).map(|(i, _)| i).collect(),
             multiplier: judged().map(|(i, s)| (i, rounded(s.magnitude(), 7))).collect(),
             resumed: resumed.map(|(i, _)| i).collect(),
             grazing: grazing(branch),

@@ -1,91 +1,21 @@
-use super::hertz;
+use super::rows::write_rows;
 use crate::ReportError;
-use crate::columns::Column;
-use crate::output::{replace_file, temporary_name};
-use nlmodes_modal::{Event, ModalBranch, ModalPoint};
+use crate::columns::{BranchRow, Cells, Row};
+use crate::output::temporary_name;
+use nlmodes_modal::{ModalBranch, ModalPoint};
 use std::fs::{self, File};
 use std::io::{self, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-/// Columns of `branch.csv`, in their order, with their meaning.
-pub const BRANCH_MEANINGS: [Column; 19] = [
-    Column::new("point", "", "number of the point, from 0"),
-    Column::new("frequency_hz", "Hz", "nonlinear modal frequency, ω/2π"),
-    Column::new("energy_j", "J", "averaged kinetic energy over a period, the path parameter"),
-    Column::new("total_energy_j", "J", "kinetic and strain energy"),
-    Column::new(
-        "modal_amplitude",
-        "m √kg",
-        "nonlinear modal amplitude: norm of the fundamental, weighted by the mass matrix",
-    ),
-    Column::new("fundamental_m", "m", "real amplitude of the fundamental at stop 0, signed against its phase anchor"),
-    Column::new(
-        "peak_m",
-        "m",
-        "largest displacement at stop 0 toward it; of a stop that stands still while the base shakes, in space",
-    ),
-    Column::new("contact_fraction", "", "share of the period in which stop 0 is touched, 0 to 1"),
-    Column::new("contact_intervals", "", "closed intervals a period, all stops together"),
-    Column::new(
-        "peak_contact_force_n",
-        "N",
-        "largest contact force of all stops; of short blows it need not converge with harmonics, `impulse_ns` does",
-    ),
-    Column::new("residual", "", "norm of the scaled residual"),
-    Column::new(
-        "event",
-        "",
-        "what happened here, names separated by spaces: grazing, start, fold, frequency-fold, branch-point, kink, contact-change, stability-change, period-doubling, neimark-sacker, tongue-foot, resumed, other-mode, harmonics, harmonics-unproven, harmonics-no-help, accuracy-limit",
-    ),
-    Column::new(
-        "resonance",
-        "",
-        "internal resonance in which the motion takes part, `n:mode k`: harmonic n drives linear mode k",
-    ),
-    Column::new("stable", "", "whether small disturbances stay small; empty where it was not found out"),
-    Column::new(
-        "largest_multiplier",
-        "",
-        "magnitude of the largest Floquet multiplier; empty where it was not found out",
-    ),
-    Column::new("multiplier_angle_deg", "°", "its angle, 0 to 180; empty where the motion is stable"),
-    Column::new("harmonics", "", "number of harmonics of this point"),
-    Column::new(
-        "error_estimate",
-        "",
-        "estimated relative error of the frequency at the same energy, where `method.accuracy` asks for one",
-    ),
-    Column::new("impulse_ns", "N·s", "integral of all contact forces over the period, which converges with harmonics"),
-];
-
-/// Names of the columns of `branch.csv`, in their order.
-pub const BRANCH_COLUMNS: [&str; BRANCH_MEANINGS.len()] = {
-    let mut names = [""; BRANCH_MEANINGS.len()];
-    let mut k = 0;
-    while k < names.len() {
-        names[k] = BRANCH_MEANINGS[k].name;
-        k += 1;
-    }
-    names
-};
-
-/// Writes a branch as CSV: a header with [`BRANCH_COLUMNS`] and one row per point.
+/// Writes a branch as CSV: a header with the columns of [`BranchRow`] and a row a point.
 ///
-/// Numbers are the shortest that read back as the same double, frequencies have 15 digits; events are joined by spaces.
-/// The stability is empty if it was not computed, the angle of the multiplier if the motion is stable. An existing file
-/// is replaced atomically.
+/// A file of that name is replaced at once, never half.
 ///
 /// # Errors
 /// [`ReportError::Io`] if the file cannot be written.
 pub fn write_branch(path: impl AsRef<Path>, branch: &ModalBranch) -> Result<(), ReportError> {
-    replace_file(path.as_ref(), |file| {
-        let mut table = csv::Writer::from_writer(file);
-        table.write_record(BRANCH_COLUMNS)?;
-        for (index, point) in branch.points.iter().enumerate() {
-            table.write_record(row(index, point))?;
-        }
-        table.flush()
-    })
+    let rows = branch.points.iter().enumerate().map(|(index, point)| BranchRow::of(index, point));
+    write_rows(path, &BranchRow::unknown(), rows)
 }
 
 /// Writes a branch as CSV while it is being computed, so that an interrupted run keeps its rows.
@@ -126,7 +56,7 @@ impl BranchWriter {
     fn new(path: &Path, hidden: Option<PathBuf>, file: File) -> Result<Self, ReportError> {
         let table = csv::Writer::from_writer(file);
         let mut writer = Self { path: path.to_path_buf(), hidden, table, lengths: Vec::new() };
-        writer.write(BRANCH_COLUMNS)?;
+        writer.write(&BranchRow::unknown().header())?;
         Ok(writer)
     }
 
@@ -144,7 +74,7 @@ impl BranchWriter {
     /// # Errors
     /// [`ReportError::Io`] if the file cannot be written.
     pub fn append(&mut self, point: &ModalPoint) -> Result<(), ReportError> {
-        self.write(row(self.n_points(), point))
+        self.write(&BranchRow::of(self.n_points(), point).cells())
     }
 
     /// Keeps the first `count` points, and continues after them.
@@ -166,7 +96,7 @@ impl BranchWriter {
         self.lengths.len().saturating_sub(1)
     }
 
-    fn write<T: AsRef<[u8]>>(&mut self, record: impl IntoIterator<Item = T>) -> Result<(), ReportError> {
+    fn write(&mut self, record: &[String]) -> Result<(), ReportError> {
         let written = self.table.write_record(record).map_err(io::Error::from);
         let length = written
             .and_then(|()| self.table.flush())
@@ -184,35 +114,6 @@ impl BranchWriter {
     }
 }
 
-fn row(index: usize, point: &ModalPoint) -> [String; BRANCH_COLUMNS.len()] {
-    [
-        index.to_string(),
-        number(hertz(point.omega)),
-        number(point.kinetic_energy),
-        number(point.total_energy),
-        number(point.modal_amplitude),
-        number(point.fundamental),
-        number(point.peak),
-        number(point.contact_fraction),
-        point.contact_intervals.to_string(),
-        number(point.peak_contact_force),
-        number(point.residual),
-        Event::names(&point.events),
-        point.resonance.map_or_else(String::new, |resonance| resonance.to_string()),
-        point.stability.map_or_else(String::new, |s| s.stable.to_string()),
-        point.stability.map_or_else(String::new, |s| number(s.magnitude())),
-        point.stability.filter(|s| !s.stable).map_or_else(String::new, |s| number(s.angle_deg())),
-        point.coefficients.n_harmonics().to_string(),
-        point.error_estimate.map_or_else(String::new, number),
-        point.impulse().map_or_else(String::new, number),
-    ]
-}
-
-/// Shortest decimal that reads back as the same double, with an exponent where it is shorter (`1e-12`).
-fn number(value: f64) -> String {
-    format!("{value:?}")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -226,7 +127,7 @@ mod tests {
         assert_eq!(fs::read_to_string(&path).unwrap(), "old");
         writer.show().unwrap();
         writer.show().unwrap();
-        assert_eq!(fs::read_to_string(&path).unwrap(), BRANCH_COLUMNS.join(",") + "\n");
+        assert_eq!(fs::read_to_string(&path).unwrap(), BranchRow::unknown().header().join(",") + "\n");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 }

@@ -2,13 +2,12 @@ use std::io::Write;
 use std::path::Path;
 
 use super::harmonics::{all_coefficients, common_width};
-use super::hertz;
 use super::histories::{PointHistories, SERIES};
 use super::mat5::{Value, file};
 use crate::ReportError;
-use crate::columns::Column;
+use crate::columns::{BranchRow, Cells, Column, ContactRow, Row};
 use crate::output::replace_file;
-use nlmodes_modal::{ContactPeriod, Event, ModalBranch, ModalPoint};
+use nlmodes_modal::{ModalBranch, ModalPoint};
 
 /// Maximum number of coefficients written.
 const MOST_COEFFICIENTS: usize = 1 << 24;
@@ -18,7 +17,7 @@ pub const MATLAB_VARIABLES: [Column; 4] = [
     Column::new(
         "branch",
         "",
-        "structure with the columns of `branch.csv` but `resonance`; `event` is a cell array of texts, what is unknown is NaN",
+        "structure with the columns of `branch.csv`; `event` and `resonance` are cell arrays of texts, what is unknown is NaN",
     ),
     Column::new(
         "contacts",
@@ -39,7 +38,7 @@ pub fn write_matlab(
     histories: &PointHistories,
 ) -> Result<(), ReportError> {
     let bytes = file(&[
-        ("branch", columns(&branch.points)),
+        ("branch", branch_columns(&branch.points)),
         ("contacts", contacts(&branch.points)),
         ("harmonics", harmonics(branch)?),
         ("histories", motions(histories)?),
@@ -47,46 +46,27 @@ pub fn write_matlab(
     replace_file(path.as_ref(), |file| file.write_all(&bytes))
 }
 
-fn columns(points: &[ModalPoint]) -> Value {
-    let of = |value: &dyn Fn(&ModalPoint) -> f64| Value::column(points.iter().map(value));
-    let unknown = |value: Option<f64>| value.unwrap_or(f64::NAN);
-    let truth = |value: bool| f64::from(u8::from(value));
-    Value::Structure(vec![
-        ("point", Value::column((0..points.len()).map(|k| k as f64))),
-        ("frequency_hz", of(&|p| hertz(p.omega))),
-        ("energy_j", of(&|p| p.kinetic_energy)),
-        ("total_energy_j", of(&|p| p.total_energy)),
-        ("modal_amplitude", of(&|p| p.modal_amplitude)),
-        ("fundamental_m", of(&|p| p.fundamental)),
-        ("peak_m", of(&|p| p.peak)),
-        ("contact_fraction", of(&|p| p.contact_fraction)),
-        ("contact_intervals", of(&|p| p.contact_intervals as f64)),
-        ("peak_contact_force_n", of(&|p| p.peak_contact_force)),
-        ("residual", of(&|p| p.residual)),
-        ("event", Value::Texts(points.iter().map(|p| Event::names(&p.events)).collect())),
-        ("stable", of(&|p| unknown(p.stability.map(|s| truth(s.stable))))),
-        ("largest_multiplier", of(&|p| unknown(p.stability.map(|s| s.magnitude())))),
-        ("multiplier_angle_deg", of(&|p| unknown(p.stability.filter(|s| !s.stable).map(|s| s.angle_deg())))),
-        ("harmonics", of(&|p| p.coefficients.n_harmonics() as f64)),
-        ("error_estimate", of(&|p| unknown(p.error_estimate))),
-        ("impulse_ns", of(&|p| unknown(p.impulse()))),
-    ])
+/// Columns that number the rows, and that `branch` has as well.
+const NUMBERING: [&str; 3] = ["point", "contact", "frequency_hz"];
+
+fn branch_columns(points: &[ModalPoint]) -> Value {
+    let rows: Vec<BranchRow> = points.iter().enumerate().map(|(k, point)| BranchRow::of(k, point)).collect();
+    let (numbers, cells): (Vec<_>, Vec<_>) = rows.iter().map(|row| (row.numbers(), row.cells())).unzip();
+    let field = |(k, column): (usize, &Column)| match BranchRow::TEXTS[k] {
+        true => (column.name, Value::Texts(cells.iter().map(|cells| cells[k].clone()).collect())),
+        false => (column.name, Value::column(numbers.iter().map(|numbers| numbers[k]))),
+    };
+    Value::Structure(BranchRow::COLUMNS.iter().enumerate().map(field).collect())
 }
 
 fn contacts(points: &[ModalPoint]) -> Value {
     let n_contacts = points.iter().map(|point| point.contacts.len()).min().unwrap_or(0);
-    let of = |value: fn(&ContactPeriod) -> f64| {
-        let rows = points.iter().flat_map(|point| point.contacts.iter().take(n_contacts).map(value));
-        Value::rows(&[points.len(), n_contacts], rows)
-    };
-    Value::Structure(vec![
-        ("contact_fraction", of(|c| c.closed_share)),
-        ("peak_force_n", of(|c| c.peak_force)),
-        ("mean_force_n", of(|c| c.mean_force)),
-        ("impulse_ns", of(|c| c.impulse)),
-        ("touches", of(|c| c.touches as f64)),
-        ("approach_velocity_m_s", of(|c| c.approach_velocity)),
-    ])
+    let rows = points.iter().enumerate().flat_map(|(k, point)| ContactRow::of(k, point).take(n_contacts));
+    let numbers: Vec<Vec<f64>> = rows.map(|row| row.numbers()).collect();
+    let columns = ContactRow::COLUMNS.iter().enumerate().filter(|(_, column)| !NUMBERING.contains(&column.name));
+    let shape = [points.len(), n_contacts];
+    let field = |(k, column): (usize, &Column)| (column.name, Value::rows(&shape, numbers.iter().map(|row| row[k])));
+    Value::Structure(columns.map(field).collect())
 }
 
 fn harmonics(branch: &ModalBranch) -> Result<Value, ReportError> {

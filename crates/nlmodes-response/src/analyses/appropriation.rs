@@ -74,7 +74,7 @@ pub fn appropriation(
     let found = newton(&mut system, &guess, 1.0).filter(|x| x.len() == system.dim());
     let motion = found.as_ref().map(|x| system.motion(x, 1.0)).transpose()?;
     let stability = match found.filter(|_| own.stability) {
-        Some(x) => Some(Stability::of(&system.floquet(&x, 1.0, solver.as_ref())?)),
+        Some(x) => Some(system.floquet(&x, 1.0, solver.as_ref())?.stability()),
         None => None,
     };
     let distance = motion.as_ref().map_or(f64::NAN, |motion| distance(&motion.eta, &target.eta));

@@ -2,7 +2,7 @@ use nlmodes_contact::solver_by_name;
 use nlmodes_hbm::HbmError;
 
 use super::forced::curve_over_frequency;
-use crate::{CurveEnd, ResponseCurve, ResponseError, ResponseModel, ResponsePoint, ResponseSettings};
+use crate::{EndReason, ResponseCurve, ResponseError, ResponseModel, ResponsePoint, ResponseSettings};
 
 /// The response over the frequency through a point of another curve at its level, such as a phase resonance that no
 /// curve from the ends of the window reaches: a detached curve, which is closed where it lies within the window.
@@ -17,13 +17,13 @@ pub fn detached_response(
     settings: &ResponseSettings,
 ) -> Result<ResponseCurve, ResponseError> {
     let up = one_way(model, point, settings, 1.0)?;
-    if matches!(up.end, CurveEnd::Closed | CurveEnd::Stopped) {
+    if up.end.has(EndReason::Closed) || up.end.has(EndReason::Stopped) {
         return Ok(up);
     }
     let mut down = one_way(model, point, settings, -1.0)?;
     down.points.reverse();
     down.points.extend(up.points.into_iter().skip(1));
-    if down.end.is_complete() {
+    if down.end.complete {
         down.end = up.end;
     }
     Ok(down)

@@ -8,7 +8,8 @@ use nlmodes_hbm::{ContactMotion, OperatingPoint, PeriodicMotion, PeriodicSystem}
 use num_complex::Complex64;
 
 use super::forced::{curve_over_frequency, over_frequency};
-use crate::{CurveEnd, Event, ResponseCurve, ResponseError, ResponseModel, ResponsePoint, ResponseSettings};
+use crate::curve::joined;
+use crate::{EndReason, Event, ResponseCurve, ResponseError, ResponseModel, ResponsePoint, ResponseSettings};
 
 /// Amplitudes of the disturbance, over the size of the motion, with which the way onto a doubled branch is tried.
 const OFF: [f64; 4] = [1e-2, 3e-2, 3e-3, 1e-1];
@@ -46,13 +47,13 @@ pub(super) fn doubled_responses(
 
 /// Whether a multiplier is −1 here.
 fn is_located(point: &ResponsePoint) -> bool {
-    let at_minus_one = |s: &crate::Stability| (s.largest + 1.0).norm() < 1e-3;
+    let at_minus_one = |s: &crate::Stability| (s.largest_multiplier[0] + 1.0).hypot(s.largest_multiplier[1]) < 1e-3;
     point.events.contains(&Event::PeriodDoubling) && point.stability.as_ref().is_some_and(at_minus_one)
 }
 
 fn has_arrived(branch: &ResponseCurve, point: &ResponsePoint) -> bool {
     let close = |a: f64, b: f64, by: f64| (a / b - 1.0).abs() < by;
-    branch.end == CurveEnd::Joined
+    branch.end.has(EndReason::Joined)
         && branch.points.last().is_some_and(|last| {
             close(last.omega, point.omega, ARRIVED.0)
                 && close(last.motion.kinetic_energy, point.motion.kinetic_energy, ARRIVED.1)
@@ -102,7 +103,7 @@ fn leave(
         }
         let mut found = curve.curve(&branch, omega)?;
         if has_crossed {
-            found.end = CurveEnd::Joined;
+            found.end = joined();
         }
         return Ok(Some(found));
     }

@@ -3,8 +3,9 @@ use nlmodes_continuation::{Bound, ParametricSystem, StopReason};
 use nlmodes_hbm::{HbmError, ModalStructure, PeriodicSystem, Scales};
 
 use super::doubled::doubled_responses;
+use crate::curve::end_of;
 use crate::follow::{Curve, newton};
-use crate::{CurveEnd, ResponseCurve, ResponseError, ResponseModel, ResponsePoint, ResponseSettings};
+use crate::{ResponseCurve, ResponseError, ResponseModel, ResponsePoint, ResponseSettings};
 
 /// Length of the window in units of the parameter: with steps of at most 0.1, some sixty points where nothing else
 /// happens.
@@ -220,7 +221,7 @@ pub(crate) fn at_level(
             omega: base * settings.subharmonic as f64,
             level,
             reached: last.0 * level / WINDOW,
-            why: CurveEnd::of(stop, usize::MAX, 1.0).to_string(),
+            why: end_of(stop, usize::MAX, 1.0).message,
         }),
     }
 }

@@ -33,7 +33,7 @@ fn every_point_of_a_long_damped_mode_is_solved_to_rounding() {
         let window = [15.0, 70.0].map(|f| f * TAU);
         let settings = ResponseSettings { harmonics: 7, ..ResponseSettings::new(window) };
         let curve = damped_mode(&tube(unit), 50.0, &settings).unwrap();
-        assert!(curve.end.is_complete(), "{:?}", curve.end);
+        assert!(curve.end.complete, "{:?}", curve.end);
         let worst = curve.points.iter().map(|point| point.residual).fold(0.0, f64::max);
         assert!(worst < 1e-10, "{worst:e}");
         for point in &curve.points {

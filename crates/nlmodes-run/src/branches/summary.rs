@@ -155,7 +155,7 @@ impl Stability {
         let [stable_points, unstable_points, unknown_points] = computed.stability_counts();
         let points = &computed.branch.points;
         let mut unstable: Vec<[usize; 2]> = Vec::new();
-        for (i, _) in points.iter().enumerate().filter(|(_, p)| p.stability.is_some_and(|s| !s.stable)) {
+        for (i, _) in points.iter().enumerate().filter(|(_, p)| p.stability.is_some_and(|s| s.is_unstable())) {
             match unstable.last_mut().filter(|stretch| stretch[1] + 1 == i) {
                 Some(stretch) => stretch[1] = i,
                 None => unstable.push([i, i]),

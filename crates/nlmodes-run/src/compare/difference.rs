@@ -49,20 +49,7 @@ mod tests {
             omega,
             coefficients: HarmonicCoefficients::zeros(1, 1),
             kinetic_energy,
-            harmonic_energy: Vec::new(),
-            resonance: None,
-            stability: None,
-            total_energy: 0.0,
-            modal_amplitude: 0.0,
-            fundamental: 0.0,
-            peak: 0.0,
-            contact_fraction: 0.0,
-            contact_intervals: 0,
-            peak_contact_force: 0.0,
-            contacts: Vec::new(),
-            residual: 0.0,
-            error_estimate: None,
-            events: Vec::new(),
+            ..ModalPoint::default()
         };
         ModalBranch {
             label: String::new(),

@@ -1,14 +1,14 @@
 use std::collections::HashMap;
-use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
-use nlmodes::modal::{BranchEnd, ContactPeriod, Event, HarmonicCoefficients, ModalBranch, ModalPoint};
+use nlmodes::modal::{BranchEnd, ContactPeriod, ModalBranch};
+use nlmodes::report::columns::BranchRow;
 use nlmodes_scene::scene::Overlay;
 use thiserror::Error;
 
 use super::contacts;
 use super::unused::{NO_FREQUENCY, Unused};
-use crate::sheet::{Row, Sheet, SheetError};
+use crate::sheet::{Sheet, SheetError};
 
 /// Tables of a folder of results that hold modal points: of a branch, of records.
 const TABLES: [&str; 2] = ["branch.csv", "modal_points.csv"];
@@ -81,7 +81,11 @@ pub fn read(overlay: &Overlay) -> Result<Laid, OverlayError> {
 pub(crate) fn read_with_unused(overlay: &Overlay) -> Result<(Laid, Unused), OverlayError> {
     let path = table(&overlay.path)?;
     let mut table = Sheet::open(&path)?;
-    let columns = Columns::of(&table)?;
+    table.needed("frequency_hz")?;
+    if table.column("energy_j").or(table.column("modal_amplitude")).is_none() {
+        return Err(table.missing("modal_amplitude or energy_j").into());
+    }
+    let places = table.places::<BranchRow>();
     // A table of responses: of it a mode has a place beside modes, one curve of it.
     let of_responses = ["kind", "response", "curve"].map(|name| table.column(name));
     let (mut first, mut loads) = (None, 0);
@@ -109,12 +113,14 @@ pub(crate) fn read_with_unused(overlay: &Overlay) -> Result<(Laid, Unused), Over
         }
         let beside = row.text(number).parse::<usize>().ok().and_then(|number| contacts.remove(&number));
         let is_settled = !row.text(findings).split_whitespace().any(|name| UNSETTLED.contains(&name));
-        match columns.point(&row, &table)? {
-            Ok(point) => {
-                let points = if is_settled { &mut points } else { &mut unsettled };
-                points.push(ModalPoint { contacts: beside.unwrap_or_default(), ..point });
-            }
-            Err(reason) => unused.add(reason, row.line),
+        let read: BranchRow = table.read(&row, &places)?;
+        if read.frequency_hz.is_nan() || read.frequency_hz <= 0.0 {
+            unused.add(NO_FREQUENCY, row.line);
+        } else if read.energy_j.is_nan() && read.modal_amplitude.is_nan() {
+            unused.add("with neither an amplitude nor an energy", row.line);
+        } else {
+            let points = if is_settled { &mut points } else { &mut unsettled };
+            points.push(read.point(beside.unwrap_or_default()));
         }
     }
     let label = match (points.len(), unsettled.len()) {
@@ -164,58 +170,4 @@ fn table(path: &Path) -> Result<PathBuf, OverlayError> {
     }
     let found = TABLES.iter().map(|name| path.join(name)).find(|table| table.is_file());
     found.ok_or_else(|| OverlayError::NoTable(path.to_path_buf()))
-}
-
-/// Where the quantities of a point stand in a row.
-struct Columns {
-    frequency: usize,
-    energy: Option<usize>,
-    amplitude: Option<usize>,
-    force: Option<usize>,
-    event: Option<usize>,
-}
-
-impl Columns {
-    fn of(table: &Sheet) -> Result<Self, SheetError> {
-        let [energy, amplitude, force, event] =
-            ["energy_j", "modal_amplitude", "peak_contact_force_n", "event"].map(|name| table.column(name));
-        let frequency = table.needed("frequency_hz")?;
-        match energy.or(amplitude) {
-            Some(_) => Ok(Self { frequency, energy, amplitude, force, event }),
-            None => Err(table.missing("modal_amplitude or energy_j")),
-        }
-    }
-
-    /// The point of a row; why there is none, as of a record that gave nothing.
-    fn point(&self, row: &Row, table: &Sheet) -> Result<Result<ModalPoint, &'static str>, SheetError> {
-        let value = |name, column| table.number(row, column, name);
-        let hz = value("frequency_hz", Some(self.frequency))?;
-        let (energy, amplitude) = (value("energy_j", self.energy)?, value("modal_amplitude", self.amplitude)?);
-        let force = value("peak_contact_force_n", self.force)?;
-        if hz.is_nan() || hz <= 0.0 {
-            return Ok(Err(NO_FREQUENCY));
-        }
-        if energy.is_nan() && amplitude.is_nan() {
-            return Ok(Err("with neither an amplitude nor an energy"));
-        }
-        Ok(Ok(ModalPoint {
-            omega: TAU * hz,
-            coefficients: HarmonicCoefficients::zeros(0, 0),
-            kinetic_energy: energy,
-            harmonic_energy: Vec::new(),
-            resonance: None,
-            stability: None,
-            total_energy: f64::NAN,
-            modal_amplitude: amplitude,
-            fundamental: f64::NAN,
-            peak: f64::NAN,
-            contact_fraction: f64::NAN,
-            contact_intervals: 0,
-            peak_contact_force: force,
-            contacts: Vec::new(),
-            residual: f64::NAN,
-            error_estimate: None,
-            events: row.text(self.event).split_whitespace().filter_map(Event::from_name).collect(),
-        }))
-    }
 }

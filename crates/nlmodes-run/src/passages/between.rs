@@ -29,8 +29,8 @@ pub(super) fn passages(rows: &[Row], abscissa: Abscissa, value: f64) -> (Vec<Pas
                 found.push(passage(rows, [k, k], |quantity| quantity(&rows[k])));
             }
         } else if k > 0 && !at(k - 1) && side(k - 1) != side(k) {
-            if rows[k].events.contains(&Event::Resumed) {
-                left_out.push([rows[k - 1].point, rows[k].point]);
+            if rows[k].own.event.contains(&Event::Resumed) {
+                left_out.push([rows[k - 1].own.point, rows[k].own.point]);
                 continue;
             }
             let step = Step::new(rows, k - 1);
@@ -44,7 +44,7 @@ pub(super) fn passages(rows: &[Row], abscissa: Abscissa, value: f64) -> (Vec<Pas
 /// The values of a row for which `at` stands; what is rounding of the largest ones is zero.
 fn passage(rows: &[Row], points: [usize; 2], at: impl Fn(&dyn Fn(&Row) -> f64) -> f64) -> Passage {
     let [before, after] = points.map(|k| &rows[k]);
-    let events = |row: &Row| Event::names(&row.events);
+    let events = |row: &Row| Event::names(&row.own.event);
     let stop = |contact: usize| {
         let of = |quantity: fn(&ContactPeriod) -> f64| {
             let largest =
@@ -61,19 +61,19 @@ fn passage(rows: &[Row], points: [usize; 2], at: impl Fn(&dyn Fn(&Row) -> f64) -
             touches: [before, after].map(|row| row.contacts.get(contact).map_or(0, |stop| stop.touches)),
         }
     };
-    let [frequency, energy] = [at(&|row| row.frequency), at(&|row| row.energy)];
-    let largest = rows.iter().map(|row| row.amplitude.abs()).fold(0.0, f64::max);
+    let [frequency, energy] = [at(&|row| row.own.frequency_hz), at(&|row| row.own.energy_j)];
+    let largest = rows.iter().map(|row| row.own.modal_amplitude.abs()).fold(0.0, f64::max);
     // That of a motion in the fundamental alone, by its averaged kinetic energy (ω a)²/4.
     let of_energy = 2.0 * energy.max(0.0).sqrt() / (TAU * frequency);
     Passage {
-        points: [before.point, after.point],
+        points: [before.own.point, after.own.point],
         frequency_hz: frequency,
         energy_j: energy,
-        modal_amplitude: clean(at(&|row| row.amplitude), largest.max(of_energy)),
-        peak_m: at(&|row| row.peak),
-        level: before.level.map(|_| at(&|row| row.level.unwrap_or(f64::NAN))),
-        level_unit: before.level_unit,
-        stable: [before.stable, after.stable],
+        modal_amplitude: clean(at(&|row| row.own.modal_amplitude), largest.max(of_energy)),
+        peak_m: at(&|row| row.own.peak_m),
+        level: before.response.level.map(|_| at(&|row| row.response.level.unwrap_or(f64::NAN))),
+        level_unit: before.response.level_unit(),
+        stable: [before.own.stable, after.own.stable],
         events: [events(before), events(after)],
         contacts: (0..before.contacts.len().min(after.contacts.len())).map(stop).collect(),
     }
@@ -97,10 +97,10 @@ struct Step<'r> {
 
 impl<'r> Step<'r> {
     fn new(rows: &'r [Row], k: usize) -> Self {
-        let corner = |row: &Row| row.events.iter().any(|event| event.is_corner());
-        let goes_on = |row: &Row| !corner(row) && !row.events.contains(&Event::Resumed);
+        let corner = |row: &Row| row.own.event.iter().any(|event| event.is_corner());
+        let goes_on = |row: &Row| !corner(row) && !row.own.event.contains(&Event::Resumed);
         let from = if k > 0 && goes_on(&rows[k]) { k - 1 } else { k };
-        let resumes = |row: Option<&Row>| row.is_none_or(|row| row.events.contains(&Event::Resumed));
+        let resumes = |row: Option<&Row>| row.is_none_or(|row| row.own.event.contains(&Event::Resumed));
         let to = if corner(&rows[k + 1]) || resumes(rows.get(k + 2)) { k + 1 } else { k + 2 };
         let rows = &rows[from..=to];
         let span = |of: fn(&Row) -> f64| {
@@ -109,11 +109,11 @@ impl<'r> Step<'r> {
             let span = (all.1 / all.0).ln();
             if span.is_finite() && span > 0.0 { span } else { 1.0 }
         };
-        let spans = (span(|row| row.frequency), span(|row| row.energy));
+        let spans = (span(|row| row.own.frequency_hz), span(|row| row.own.energy_j));
         let lengths = rows.windows(2).map(|pair| {
             let log = |a: f64, b: f64| Some((b / a).ln()).filter(|x| x.is_finite()).unwrap_or(0.0);
-            let x = log(pair[0].frequency, pair[1].frequency) / spans.0;
-            x.hypot(log(pair[0].energy, pair[1].energy) / spans.1).max(1e-12)
+            let x = log(pair[0].own.frequency_hz, pair[1].own.frequency_hz) / spans.0;
+            x.hypot(log(pair[0].own.energy_j, pair[1].own.energy_j) / spans.1).max(1e-12)
         });
         Self { rows, first: k - from, lengths: lengths.collect() }
     }

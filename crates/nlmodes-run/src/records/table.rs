@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use nlmodes::experiment::extraction::{Measured, RecordExtraction};
-use nlmodes::report::{ReportError, write_file};
+use nlmodes::report::columns::{ModalPointRow, Numbered, Row, Sometimes};
+use nlmodes::report::{ReportError, write_rows, write_rows_to};
 
 use super::RecordOutcome;
 use crate::Failure;
@@ -12,139 +13,138 @@ use crate::Failure;
 /// Least number of participation columns.
 const PARTICIPATIONS: usize = 2;
 
-/// A column: its name, and its text for a record.
-type Column = (String, Box<dyn Fn(&RecordExtraction) -> String>);
+/// What sets the level of the drive of a test.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Drive {
+    /// The amplitude of the signal to the exciter, V.
+    Signal,
+    /// The amplitude of an ideal force, N.
+    Force,
+}
 
-/// The table, row by row.
+/// The table of records, or of the levels of a test.
 pub struct Table {
-    columns: Vec<Column>,
-    rows: csv::Writer<Vec<u8>>,
-    has_level: bool,
+    like: ModalPointRow,
+    drive: Option<Drive>,
+    rows: Vec<ModalPointRow>,
 }
 
 impl Table {
-    /// With the participation of so many modes, and the level of the drive where its column has a name.
-    ///
-    /// # Errors
-    /// None but those of a writer to memory.
-    pub fn new(modes: usize, level: Option<&str>) -> Result<Self, Failure> {
-        let columns = columns(modes.max(PARTICIPATIONS));
-        let mut rows = csv::Writer::from_writer(Vec::new());
-        let names = columns.iter().map(|(name, _)| name.as_str());
-        rows.write_record(std::iter::once("record").chain(level).chain(names).chain(["findings"]))?;
-        Ok(Self { columns, rows, has_level: level.is_some() })
+    /// With the participation of so many modes, and a column for the level of the drive of a test.
+    pub fn new(modes: usize, drive: Option<Drive>) -> Self {
+        let none = || Numbered(vec![None; modes.max(PARTICIPATIONS)]);
+        let level = |of: Drive| Sometimes((drive == Some(of)).then_some(None));
+        let like = ModalPointRow {
+            drive_v: level(Drive::Signal),
+            drive_n: level(Drive::Force),
+            participation: none(),
+            participation_uncertainty: none(),
+            ..ModalPointRow::unknown()
+        };
+        Self { like, drive, rows: Vec::new() }
     }
 
     /// Adds a row. Cells that a record does not give are empty.
-    ///
-    /// # Errors
-    /// As [`new`](Self::new).
-    pub fn push(&mut self, outcome: &RecordOutcome) -> Result<(), Failure> {
-        let cell = |(_, text): &Column| outcome.result.as_ref().map_or_else(|_| String::new(), text);
-        let row = self.columns.iter().map(cell);
-        let level = self.has_level.then(|| outcome.level.map_or_else(String::new, |level| format!("{level:?}")));
-        let first = std::iter::once(outcome.record.clone()).chain(level);
-        Ok(self.rows.write_record(first.chain(row).chain([outcome.finding_names()]))?)
+    pub fn push(&mut self, outcome: &RecordOutcome) {
+        let level = |of: Drive| Sometimes((self.drive == Some(of)).then_some(outcome.level));
+        let modes = self.like.participation.0.len();
+        let extracted = outcome.result.as_ref().ok().map(|found| row(found, modes));
+        self.rows.push(ModalPointRow {
+            record: outcome.record.clone(),
+            drive_v: level(Drive::Signal),
+            drive_n: level(Drive::Force),
+            findings: outcome.finding_names(),
+            ..extracted.unwrap_or_else(|| self.like.clone())
+        });
     }
 
     /// What there is, as text.
     ///
     /// # Errors
-    /// As [`new`](Self::new).
+    /// None but those of a writer to memory.
     pub fn into_bytes(self) -> Result<Vec<u8>, Failure> {
-        Ok(self.rows.into_inner().map_err(csv::IntoInnerError::into_error)?)
+        let mut bytes = Vec::new();
+        write_rows_to(&mut bytes, &self.like, self.rows)?;
+        Ok(bytes)
     }
 
     /// Writes what there is; a file of that name is replaced at once.
     ///
     /// # Errors
     /// If the file cannot be written.
-    pub fn write(&mut self, path: &Path) -> Result<(), ReportError> {
-        let io = |source| ReportError::Io { path: path.to_path_buf(), source };
-        self.rows.flush().map_err(io)?;
-        write_file(path, self.rows.get_ref())
+    pub fn write(&self, path: &Path) -> Result<(), ReportError> {
+        write_rows(path, &self.like, self.rows.iter().cloned())
     }
 }
 
-fn columns(modes: usize) -> Vec<Column> {
-    let mut columns: Vec<Column> = Vec::new();
-    let mut errors: Vec<Column> = Vec::new();
-    let mut measured = |columns: &mut Vec<Column>, name: &str, of: fn(&RecordExtraction) -> Option<Measured>| {
-        columns.push(plain(name, move |found| of(found).map(|m| m.value)));
-        errors.push(plain(&format!("{name}_uncertainty"), move |found| of(found).map(|m| m.uncertainty)));
-    };
-    measured(&mut columns, "frequency_hz", |found| Some(found.omega.times(1.0 / TAU)));
-    measured(&mut columns, "modal_amplitude", |found| Some(found.modal.as_ref()?.amplitude));
-    measured(&mut columns, "damping", |found| found.modal.as_ref()?.damping);
-    measured(&mut columns, "lag_deg", |found| Some(found.excitation.as_ref()?.lag.times(1f64.to_degrees())));
-    measured(&mut columns, "pbmif", |found| Some(found.excitation.as_ref()?.pbmif));
-    columns.push(count("pbmif_harmonics", |found| Some(found.excitation.as_ref()?.power.harmonics)));
-    for k in 0..modes {
-        columns.push(plain(&format!("participation_{}", k + 1), move |found| {
-            found.modal.as_ref()?.participation.factors.get(k).copied()
-        }));
-    }
-    columns.push(count("participation_harmonics", |found| found.modal.as_ref().map(|_| found.harmonics)));
-    measured(&mut columns, "peak_contact_force_n", |found| Some(found.contact.as_ref()?.peak_force));
-    measured(&mut columns, "contact_stiffness_n_m", |found| {
-        let stiffness = found.contact.as_ref()?.stiffness?;
-        Some(Measured { value: stiffness.stiffness, uncertainty: stiffness.stiffness_error })
-    });
-    columns.extend(impacts());
-    measured(&mut columns, "force_n", |found| Some(found.excitation.as_ref()?.force));
-    measured(&mut columns, "power_w", |found| Some(found.excitation.as_ref()?.fundamental_power));
-    measured(&mut columns, "total_power_w", |found| Some(found.excitation.as_ref()?.total_power));
-    columns.push(plain("linear_dissipation_w", |found| Some(found.modal.as_ref()?.dissipation.total())));
-    measured(&mut columns, "energy_j", |found| Some(found.modal.as_ref()?.kinetic_energy));
-    columns.push(count("periods", |found| Some(found.periods)));
-    for k in 0..modes {
-        errors.push(plain(&format!("participation_{}_uncertainty", k + 1), move |found| {
-            found.modal.as_ref()?.participation_uncertainty.get(k).copied()
-        }));
-    }
-    columns.extend(errors);
-    columns
+/// A value and its uncertainty, as two cells.
+fn both(measured: Option<Measured>) -> [Option<f64>; 2] {
+    [measured.map(|m| m.value), measured.map(|m| m.uncertainty)].map(finite)
 }
 
-fn impacts() -> Vec<Column> {
-    let statistics = |found: &RecordExtraction| Some(found.contact.as_ref()?.restitution.as_ref()?.statistics());
-    vec![
-        plain("restitution_mean", move |found| Some(statistics(found)?.mean)),
-        plain("restitution_std", move |found| Some(statistics(found)?.std)),
-        plain("approach_speed_m_s", move |found| Some(statistics(found)?.approach)),
-        count("impacts", move |found| Some(statistics(found)?.n_impacts)),
-        plain("contact_fraction", |found| Some(found.contact.as_ref()?.closed_fraction)),
-    ]
+fn finite(value: Option<f64>) -> Option<f64> {
+    value.filter(|value| value.is_finite())
 }
 
-/// A column of numbers: the shortest that read back as the same double; empty where there is none.
-fn plain(name: &str, of: impl Fn(&RecordExtraction) -> Option<f64> + 'static) -> Column {
-    let text = move |found: &RecordExtraction| match of(found) {
-        Some(x) if x.is_finite() => format!("{x:?}"),
-        _ => String::new(),
-    };
-    (name.to_owned(), Box::new(text))
+/// The first so many values of a list.
+fn first(values: Option<&Vec<f64>>, count: usize) -> Numbered<Option<f64>> {
+    Numbered((0..count).map(|k| finite(values?.get(k).copied())).collect())
 }
 
-fn count(name: &str, of: impl Fn(&RecordExtraction) -> Option<usize> + 'static) -> Column {
-    (name.to_owned(), Box::new(move |found| of(found).map_or_else(String::new, |n| n.to_string())))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use nlmodes::report::columns::MODAL_POINT_COLUMNS;
-
-    #[test]
-    fn every_column_is_explained_and_every_explained_one_is_there() {
-        let head = |level| {
-            let text = Table::new(3, level).unwrap().into_bytes().unwrap();
-            String::from_utf8(text).unwrap().trim_end().split(',').map(str::to_owned).collect::<Vec<_>>()
-        };
-        let names = [head(Some("drive_v")), head(Some("drive_n")), head(None)].concat();
-        let is_explained = |name: &String| MODAL_POINT_COLUMNS.iter().any(|column| column.is_named(name));
-        assert_eq!(names.iter().find(|name| !is_explained(name)), None);
-        let is_there = |column: &&nlmodes::report::columns::Column| names.iter().any(|name| column.is_named(name));
-        assert_eq!(MODAL_POINT_COLUMNS.iter().find(|column| !is_there(column)), None);
+/// What was extracted, without the columns of the test.
+fn row(found: &RecordExtraction, modes: usize) -> ModalPointRow {
+    let (modal, excitation, contact) = (found.modal.as_ref(), found.excitation.as_ref(), found.contact.as_ref());
+    let impacts = contact.and_then(|c| c.restitution.as_ref()).map(|restitution| restitution.statistics());
+    let stiffness = contact.and_then(|c| c.stiffness);
+    let [frequency_hz, frequency_hz_uncertainty] = both(Some(found.omega.times(1.0 / TAU)));
+    let [modal_amplitude, modal_amplitude_uncertainty] = both(modal.map(|m| m.amplitude));
+    let [damping, damping_uncertainty] = both(modal.and_then(|m| m.damping));
+    let [lag_deg, lag_deg_uncertainty] = both(excitation.map(|e| e.lag.times(1f64.to_degrees())));
+    let [pbmif, pbmif_uncertainty] = both(excitation.map(|e| e.pbmif));
+    let [peak_contact_force_n, peak_contact_force_n_uncertainty] = both(contact.map(|c| c.peak_force));
+    let [contact_stiffness_n_m, contact_stiffness_n_m_uncertainty] =
+        both(stiffness.map(|s| Measured { value: s.stiffness, uncertainty: s.stiffness_error }));
+    let [force_n, force_n_uncertainty] = both(excitation.map(|e| e.force));
+    let [power_w, power_w_uncertainty] = both(excitation.map(|e| e.fundamental_power));
+    let [total_power_w, total_power_w_uncertainty] = both(excitation.map(|e| e.total_power));
+    let [energy_j, energy_j_uncertainty] = both(modal.map(|m| m.kinetic_energy));
+    ModalPointRow {
+        record: String::new(),
+        drive_v: Sometimes(None),
+        drive_n: Sometimes(None),
+        frequency_hz,
+        modal_amplitude,
+        damping,
+        lag_deg,
+        pbmif,
+        pbmif_harmonics: excitation.map(|e| e.power.harmonics),
+        participation: first(modal.map(|m| &m.participation.factors), modes),
+        participation_harmonics: modal.map(|_| found.harmonics),
+        peak_contact_force_n,
+        contact_stiffness_n_m,
+        restitution_mean: finite(impacts.as_ref().map(|s| s.mean)),
+        restitution_std: finite(impacts.as_ref().map(|s| s.std)),
+        approach_speed_m_s: finite(impacts.as_ref().map(|s| s.approach)),
+        impacts: impacts.as_ref().map(|s| s.n_impacts),
+        contact_fraction: finite(contact.map(|c| c.closed_fraction)),
+        force_n,
+        power_w,
+        total_power_w,
+        linear_dissipation_w: finite(modal.map(|m| m.dissipation.total())),
+        energy_j,
+        periods: Some(found.periods),
+        frequency_hz_uncertainty,
+        modal_amplitude_uncertainty,
+        damping_uncertainty,
+        lag_deg_uncertainty,
+        pbmif_uncertainty,
+        peak_contact_force_n_uncertainty,
+        contact_stiffness_n_m_uncertainty,
+        force_n_uncertainty,
+        power_w_uncertainty,
+        total_power_w_uncertainty,
+        energy_j_uncertainty,
+        participation_uncertainty: first(modal.map(|m| &m.participation_uncertainty), modes),
+        findings: String::new(),
     }
 }

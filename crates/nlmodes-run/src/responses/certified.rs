@@ -2,12 +2,13 @@
 
 use std::f64::consts::TAU;
 
-use nlmodes::response::ResponsePoint;
+use nlmodes::modal::ModalPoint;
 use nlmodes_scene::scene::Scene;
 
 use super::curves::ComputedResponse;
 use super::model::Model;
 use super::summary::imbalance;
+use super::tables::points;
 use crate::certificate::mesh::contact_mass;
 use crate::certificate::{Certificate, Check, Number, Place, residual};
 
@@ -22,9 +23,9 @@ const LARGER: &str = "the same scene with method.harmonics twice as large, these
 
 /// Of all curves together.
 pub fn certificate(scene: &Scene, model: &Model, curves: &[ComputedResponse]) -> Certificate {
-    let residuals = curves.iter().flat_map(ComputedResponse::points).map(|p| p.residual);
+    let residuals = points(curves).map(|(_, _, point)| point.residual);
     let mut checks = vec![residual(residuals)];
-    if curves.iter().any(ComputedResponse::is_forced) {
+    if curves.iter().any(|computed| computed.kind.is_forced()) {
         let words = "difference of input and dissipated power of forced motions, all points";
         checks.push(Check::found("power balance", None, imbalance(curves), POWER, words));
     }
@@ -40,10 +41,12 @@ pub fn certificate(scene: &Scene, model: &Model, curves: &[ComputedResponse]) ->
             "what dashpots move beyond the modes that are taken, of what they hold at the frequency of the mode";
         checks.push(Check::found("dashpots", None, share, DASHPOTS, words));
     }
-    let points = curves.iter().flat_map(ComputedResponse::points).enumerate();
-    let place =
-        |(point, found): (usize, &ResponsePoint)| Place { point, frequency_hz: found.omega / TAU, energy_j: None };
-    Certificate::new(&points.map(place).collect::<Vec<_>>(), checks)
+    let place = |(point, (_, _, found)): (usize, (_, _, &ModalPoint))| Place {
+        point,
+        frequency_hz: found.listed_omega() / TAU,
+        energy_j: None,
+    };
+    Certificate::new(&points(curves).enumerate().map(place).collect::<Vec<_>>(), checks)
 }
 
 /// What modes left out do to the linear frequency with the first contact closed.

@@ -1,101 +1,109 @@
-//! From motions in open modes to modal points of a branch, which tables and page share with other computations.
+//! From motions in open modes to points of a curve, which tables, figures and page share with other computations.
 
-use std::f64::consts::TAU;
+use nlmodes::hbm::ResponseRow;
+use nlmodes::modal::{BranchEnd, Driven, HarmonicCoefficients, ModalBranch, ModalPoint};
+use nlmodes::response::{Appropriation, ResponseError, ResponseModel, ResponsePoint};
+use nlmodes_scene::scene::ResponseKind;
 
-use nlmodes::hbm::{ContactMotion, ResponseRow};
-use nlmodes::modal::{BranchEnd, ContactPeriod, EndReason, HarmonicCoefficients, ModalBranch, ModalPoint, Stability};
-use nlmodes::response::{ResponseError, ResponsePoint};
-use nlmodes_scene::scene::Scene;
-use num_complex::Complex64;
-
-use super::curves::ComputedResponse;
 use super::model::Model;
 
-/// What turns points of curves into displacements.
+/// What turns motions into points of a curve.
 pub struct Converter<'a> {
     model: &'a Model,
+    /// The structure with the drive point of the response.
+    system: &'a ResponseModel,
+    kind: ResponseKind,
+    subharmonic: usize,
     rows: Vec<ResponseRow>,
-    contacts: Vec<ResponseRow>,
+    contact: Option<ResponseRow>,
 }
 
 impl<'a> Converter<'a> {
-    pub fn new(model: &'a Model) -> Result<Self, ResponseError> {
-        let response = model.response();
-        let (rows, contacts) = (response.rows_of_dofs(&model.recorded)?, response.rows(&model.contacts)?);
-        Ok(Self { model, rows, contacts })
+    pub fn new(
+        model: &'a Model,
+        system: &'a ResponseModel,
+        kind: ResponseKind,
+        subharmonic: usize,
+    ) -> Result<Self, ResponseError> {
+        let rows = model.response().rows_of_dofs(&model.recorded)?;
+        let contact = model.response().rows(&model.contacts)?.into_iter().next();
+        Ok(Self { model, system, kind, subharmonic, rows, contact })
     }
 
-    /// The curve as a branch.
-    pub fn branch(&self, scene: &Scene, computed: &ComputedResponse) -> ModalBranch {
-        let subharmonic = scene.responses[computed.response].subharmonic;
-        let point = |point: &ResponsePoint| self.point(point, computed.is_forced(), subharmonic);
-        let complete = computed.is_complete();
-        let reason = computed.curve.as_ref().map_or(EndReason::NoStart, |curve| curve.end.reason());
-        ModalBranch {
-            label: computed.name.clone(),
-            coordinates: self.model.coordinates.clone(),
-            contact_coordinate: self.model.contact_coordinates.first().copied().flatten(),
-            stop: self.model.sides.first().zip(self.model.gaps.first()).map(|(side, gap)| side * gap),
-            points: computed.points().iter().map(point).collect(),
-            end: BranchEnd::new(reason, computed.message.clone(), complete),
-        }
+    /// The curve of these motions, of appropriation with the forces of each.
+    pub fn branch(
+        &self,
+        label: String,
+        points: &[ResponsePoint],
+        forces: &[Appropriation],
+        end: BranchEnd,
+    ) -> Result<ModalBranch, ResponseError> {
+        let point = |(k, point): (usize, &ResponsePoint)| self.point(point, forces.get(k));
+        let points = points.iter().enumerate().map(point).collect::<Result<_, _>>()?;
+        Ok(ModalBranch { points, end, ..self.model.no_branch(&label, String::new()) })
     }
 
-    fn point(&self, point: &ResponsePoint, is_forced: bool, subharmonic: usize) -> ModalPoint {
+    /// A point; of appropriation with what its forces do.
+    pub fn point(
+        &self,
+        point: &ResponsePoint,
+        appropriated: Option<&Appropriation>,
+    ) -> Result<ModalPoint, ResponseError> {
         let motion = &point.motion;
-        let displacement = |row: &ResponseRow| self.model.response().displacement(row, motion, subharmonic);
         let mut coefficients = HarmonicCoefficients::zeros(self.rows.len(), motion.eta.len() - 1);
         for (d, row) in self.rows.iter().enumerate() {
-            coefficients.of_mut(d).copy_from_slice(&displacement(row));
+            let displacement = self.model.response().displacement(row, motion, self.subharmonic);
+            coefficients.of_mut(d).copy_from_slice(&displacement);
         }
-        let share = |(n, eta): (usize, &Vec<Complex64>)| {
-            let nu = n as f64 * motion.at.omega;
-            0.25 * nu * nu * eta.iter().map(|e| e.norm_sqr()).sum::<f64>()
-        };
-        let first = motion.contacts.first();
-        let judged = |s: nlmodes::response::Stability| {
-            Some(Stability { stable: s.stable?, largest_multiplier: [s.largest.re, s.largest.im] })
-        };
-        ModalPoint {
-            omega: motion.at.omega,
+        Ok(ModalPoint {
             coefficients,
-            kinetic_energy: motion.kinetic_energy,
-            harmonic_energy: motion.eta.iter().enumerate().map(share).collect(),
-            resonance: None,
-            stability: point.stability.and_then(judged),
-            total_energy: motion.total_energy,
-            modal_amplitude: motion.modal_amplitude(),
-            fundamental: self.fundamental(point, is_forced, subharmonic),
-            peak: first.map_or(f64::NAN, |c| c.peak),
-            contact_fraction: first.map_or(f64::NAN, |c| c.closed_share),
-            contact_intervals: motion.contacts.iter().map(|c| c.touches).sum(),
-            peak_contact_force: motion.contacts.iter().map(|c| c.peak_force).fold(0.0, f64::max),
-            contacts: motion.contacts.iter().map(|c| period(c, motion.at.omega)).collect(),
-            residual: point.residual,
-            error_estimate: None,
-            events: point.events.clone(),
-        }
+            stability: appropriated.and_then(|found| found.stability).or(point.stability),
+            fundamental: self.fundamental(point),
+            driven: Some(self.driven(point, appropriated)?),
+            ..point.modal_point()
+        })
     }
 
     /// Amplitude of the first contact at the frequency of the load, m; of a free motion with the sign of its
     /// displacement at the phase zero.
-    pub fn fundamental(&self, point: &ResponsePoint, is_forced: bool, subharmonic: usize) -> f64 {
-        let Some(row) = self.contacts.first() else { return f64::NAN };
-        let q = self.model.response().displacement(row, &point.motion, subharmonic);
-        let z = q.get(subharmonic).copied().unwrap_or_default();
+    fn fundamental(&self, point: &ResponsePoint) -> f64 {
+        let Some(row) = &self.contact else { return f64::NAN };
+        let q = self.model.response().displacement(row, &point.motion, self.subharmonic);
+        let z = q.get(self.subharmonic).copied().unwrap_or_default();
         let side = self.model.sides.first().copied().unwrap_or(1.0);
-        if is_forced { z.norm() } else { z.norm() * side * z.re.signum() }
+        if self.kind.is_forced() { z.norm() } else { z.norm() * side * z.re.signum() }
     }
-}
 
-/// One contact over a period of the motion with this angular frequency (rad/s).
-fn period(contact: &ContactMotion, omega: f64) -> ContactPeriod {
-    ContactPeriod {
-        closed_share: contact.closed_share,
-        peak_force: contact.peak_force,
-        mean_force: contact.mean_force,
-        impulse: contact.mean_force * TAU / omega,
-        touches: contact.touches,
-        approach_velocity: contact.approach,
+    fn driven(&self, point: &ResponsePoint, appropriated: Option<&Appropriation>) -> Result<Driven, ResponseError> {
+        let (motion, level) = (&point.motion, self.kind.is_forced().then_some(point.level));
+        let plain = Driven {
+            omega: point.omega,
+            level,
+            force: level.filter(|_| self.model.unit == "N"),
+            drive: Some(point.drive).filter(|drive| drive.norm() > 0.0),
+            input_power: level.map(|_| motion.input_power),
+            dissipated_power: motion.dissipated_power,
+            damping_ratio: (self.kind == ResponseKind::DampedMode).then(|| motion.damping_ratio()),
+            indicator: None,
+            mode_distance: None,
+        };
+        if let Some(found) = appropriated {
+            return Ok(Driven {
+                force: found.forces.first().and_then(|f| f.get(1)).map(|f| f.norm()),
+                indicator: found.power.map(|power| power.indicator()),
+                mode_distance: Some(found.distance),
+                ..plain
+            });
+        }
+        if level.is_some() {
+            let power = self.system.force_power(motion, self.subharmonic)?;
+            return Ok(Driven { indicator: power.map(|power| power.indicator()), ..plain });
+        }
+        // Of a mode: a test that drives it with one harmonic at the drive point.
+        let q = self.system.drive_harmonics(motion)?;
+        let speed = |n: usize| n as f64 * motion.at.omega * q.get(n).map_or(0.0, |q| q.norm());
+        let all = (1..q.len()).map(|n| speed(n).powi(2)).sum::<f64>().sqrt();
+        let force = (self.kind == ResponseKind::DampedMode).then(|| 2.0 * motion.dissipated_power / speed(1));
+        Ok(Driven { force, indicator: Some(speed(1) / all), ..plain })
     }
 }

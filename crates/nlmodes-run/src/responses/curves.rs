@@ -5,14 +5,16 @@ use std::time::{Duration, Instant};
 
 use nlmodes::branches::Watch;
 use nlmodes::hbm::Coordinates;
+use nlmodes::modal::{ModalBranch, ModalPoint};
 use nlmodes::response::{
-    Appropriation, Cancel, CurveEnd, Event, ResponseCurve, ResponseError, ResponseModel, ResponsePoint,
+    Appropriation, Cancel, EndReason, Event, ResponseCurve, ResponseError, ResponseModel, ResponsePoint,
     ResponseSettings, StepLog, appropriation, branching_responses, conservative_mode, damped_mode, detached_response,
     force_response, frequency_response, lies_on, phase_resonance, response_from_other_end,
 };
 use nlmodes_scene::number;
 use nlmodes_scene::scene::{AtBranchPoint, Response, ResponseKind, Scene, StabilityChoice, Switching};
 
+use super::convert::Converter;
 use super::model::Model;
 use crate::chain;
 
@@ -25,16 +27,16 @@ pub struct ComputedResponse {
     pub kind: ResponseKind,
     /// The level, in the unit of the load; the largest one of a curve over the level, none of modes.
     pub level: Option<f64>,
-    /// Its name in legends.
-    pub name: String,
     /// Whether it is a response that no curve from the ends of the window reaches.
     pub is_detached: bool,
-    /// The curve, or why there is none.
-    pub curve: Result<ResponseCurve, String>,
+    /// The curve with its name and its end; without points where there is none.
+    pub branch: ModalBranch,
+    /// Of a curve of phase resonances: each one at the levels that were asked for, in the order of the curve.
+    pub at_levels: Vec<ModalPoint>,
+    /// The motions of its points, if there is a curve.
+    pub motions: Option<ResponseCurve>,
     /// Of appropriation: the forces at each point of the mode, and what they do.
     pub appropriations: Vec<Appropriation>,
-    /// Why it ended, in words.
-    pub message: String,
     /// What it took.
     pub wall_time: Duration,
 }
@@ -42,25 +44,13 @@ pub struct ComputedResponse {
 impl ComputedResponse {
     /// Whether it is there and ended where it was meant to.
     pub fn is_complete(&self) -> bool {
-        self.curve.as_ref().is_ok_and(|curve| curve.end.is_complete())
-    }
-
-    /// Its points; none where there is no curve.
-    pub fn points(&self) -> &[ResponsePoint] {
-        self.curve.as_ref().map_or(&[], |curve| &curve.points)
-    }
-
-    /// Whether its points answer a load.
-    pub fn is_forced(&self) -> bool {
-        self.kind.is_forced()
+        self.branch.end.complete
     }
 
     /// What is told of it.
     pub fn said(&self) -> Result<(usize, &str), &str> {
-        match &self.curve {
-            Ok(curve) => Ok((curve.points.len(), &self.message)),
-            Err(why) => Err(why),
-        }
+        let message = self.branch.end.message.as_str();
+        if self.motions.is_some() { Ok((self.branch.points.len(), message)) } else { Err(message) }
     }
 }
 
@@ -98,17 +88,17 @@ pub fn detached<'a>(scene: &'a Scene, curves: &[ComputedResponse]) -> Vec<Job<'a
             let own: Vec<&ResponseCurve> = curves
                 .iter()
                 .filter(|c| c.response == response && c.level == Some(level))
-                .filter_map(|c| c.curve.as_ref().ok())
+                .filter_map(|c| c.motions.as_ref())
                 .collect();
             // Where the curve from the end of the window was lost, what lies beyond is no island.
-            if own.is_empty() || own.iter().any(|curve| !curve.end.is_complete()) {
+            if own.is_empty() || own.iter().any(|curve| !curve.end.complete) {
                 continue;
             }
             let resonances = curves.iter().filter(|c| c.kind == ResponseKind::PhaseResonance).filter(|c| {
                 let other = &scene.responses[c.response];
                 other.subharmonic == wanted.subharmonic && other.drive == wanted.drive
             });
-            let resonances = resonances.filter_map(|c| c.curve.as_ref().ok()).flat_map(|curve| &curve.at_levels);
+            let resonances = resonances.filter_map(|c| c.motions.as_ref()).flat_map(|curve| &curve.at_levels);
             let window = [wanted.frequency_hz[0], wanted.frequency_hz[1]].map(|hz| TAU * hz);
             let island = resonances
                 .filter(|point| (point.level / level - 1.0).abs() < 1e-9)
@@ -156,41 +146,43 @@ pub fn follow(
     let began = Instant::now();
     let cancel = Cancel::new(move || watch.asks_to_end());
     let settings = ResponseSettings { cancel, log: log.clone(), ..settings(model, scene, &job) };
+    let computed = |(branch, at_levels), motions, appropriations| ComputedResponse {
+        response: job.response,
+        kind: job.wanted.kind,
+        level: job.level,
+        is_detached: job.from.is_some(),
+        branch,
+        at_levels,
+        motions,
+        appropriations,
+        wall_time: began.elapsed(),
+    };
     let followed = model.with_drive(job.response).and_then(|system| {
         let curves = curve(&system, scene, &job, &settings)?;
-        let forces = if job.wanted.kind == ResponseKind::Appropriation {
-            appropriations(model, &system, &curves, job.wanted.controlled_harmonics, &settings)?
-        } else {
-            Vec::new()
-        };
-        Ok((curves, forces))
-    });
-    let computed = |further: Option<String>, curve: Result<ResponseCurve, String>, message: String, forces| {
-        let name = further.map_or_else(|| name.to_owned(), |further| format!("{name}, {further}"));
-        ComputedResponse {
-            response: job.response,
-            kind: job.wanted.kind,
-            level: job.level,
-            name,
-            is_detached: job.from.is_some(),
-            curve,
-            appropriations: forces,
-            message,
-            wall_time: began.elapsed(),
+        let converter = Converter::new(model, &system, job.wanted.kind, job.wanted.subharmonic)?;
+        let mut all = Vec::new();
+        for Followed { curve, further, is_cut } in curves {
+            let forces = if job.wanted.kind == ResponseKind::Appropriation {
+                appropriations(model, &system, &curve, job.wanted.controlled_harmonics, &settings)?
+            } else {
+                Vec::new()
+            };
+            let cut = match is_cut {
+                true => "; with it there are continuation.max_branches curves, and no more are followed",
+                false => "",
+            };
+            let mut end = curve.end.clone();
+            end.message += &format!("{cut}{}{}", not_held(&forces), not_followed(&curve, &job, scene));
+            let name = further.map_or_else(|| name.to_owned(), |further| format!("{name}, {further}"));
+            let branch = converter.branch(name, &curve.points, &forces, end)?;
+            let at_levels =
+                curve.at_levels.iter().map(|point| converter.point(point, None)).collect::<Result<_, _>>()?;
+            all.push(computed((branch, at_levels), Some(curve), forces));
         }
-    };
-    let (curves, mut forces) = match followed {
-        Ok(followed) => followed,
-        Err(error) => return vec![computed(None, Err(chain(&error)), chain(&error), Vec::new())],
-    };
-    let each = |Followed { curve, further, is_cut }| {
-        let forces = std::mem::take(&mut forces);
-        let cut =
-            if is_cut { "; with it there are continuation.max_branches curves, and no more are followed" } else { "" };
-        let message = format!("{}{cut}{}{}", curve.end, not_held(&forces), not_followed(&curve, &job, scene));
-        computed(further, Ok(curve), message, forces)
-    };
-    curves.into_iter().map(each).collect()
+        Ok(all)
+    });
+    followed
+        .unwrap_or_else(|error| vec![computed((model.no_branch(name, chain(&error)), Vec::new()), None, Vec::new())])
 }
 
 /// What is to be said of forces that were computed and do not hold the mode.
@@ -216,13 +208,12 @@ fn not_held(forces: &[Appropriation]) -> String {
 fn appropriations(
     model: &Model,
     system: &ResponseModel,
-    curves: &[Followed],
+    curve: &ResponseCurve,
     controlled: usize,
     settings: &ResponseSettings,
 ) -> Result<Vec<Appropriation>, ResponseError> {
     let one = |point: &ResponsePoint| appropriation(system, point, &model.force_places, controlled, settings);
-    let points = curves.iter().flat_map(|followed| &followed.curve.points);
-    points.take_while(|_| !settings.cancel.is_requested()).map(one).collect()
+    curve.points.iter().take_while(|_| !settings.cancel.is_requested()).map(one).collect()
 }
 
 fn curve(
@@ -271,7 +262,7 @@ fn over_frequency(
         true => branching_responses(system, level, settings)?,
         false => vec![frequency_response(system, level, settings)?],
     };
-    let goes_on = curves.first().is_some_and(|c| !matches!(c.end, CurveEnd::MaxPoints | CurveEnd::Stopped));
+    let goes_on = curves.first().is_some_and(|c| !c.end.has(EndReason::MaxPoints) && !c.end.has(EndReason::Stopped));
     let other = match goes_on && settings.subharmonic == 1 {
         true => response_from_other_end(system, level, settings, &curves)?,
         false => None,

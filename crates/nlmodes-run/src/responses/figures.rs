@@ -2,11 +2,10 @@
 
 use std::f64::consts::TAU;
 
+use nlmodes::modal::ModalPoint;
 use nlmodes::report::{Figure, LineKind, Quantity, ReportError, ResponseFigure, ResponseLine};
-use nlmodes::response::ResponsePoint;
 use nlmodes_scene::scene::{ResponseKind, Scene};
 
-use super::convert::Converter;
 use super::curves::ComputedResponse;
 use super::model::Model;
 use super::overlaid::{LaidCurve, LaidPoint};
@@ -21,7 +20,7 @@ pub fn all(
     model: &Model,
     (curves, laid): (&[ComputedResponse], &[LaidCurve]),
 ) -> Result<Vec<Named>, Failure> {
-    let draw = Draw { scene, model, curves, laid, converter: Converter::new(model)? };
+    let draw = Draw { scene, unit: model.unit, curves, laid };
     let mut drawn = Vec::new();
     for (name, title, figure) in draw.all() {
         match figure {
@@ -35,32 +34,50 @@ pub fn all(
 
 struct Draw<'a> {
     scene: &'a Scene,
-    model: &'a Model,
+    unit: &'static str,
     curves: &'a [ComputedResponse],
     laid: &'a [LaidCurve],
-    converter: Converter<'a>,
 }
 
-type Value<'v> = &'v dyn Fn(&ComputedResponse, &ResponsePoint) -> f64;
+/// A quantity of a point, NaN where it has none.
+type Value = fn(&ModalPoint) -> f64;
 
 /// Abscissa and ordinate of what is laid over, where a figure has both.
 type LaidValues = Option<[fn(&LaidPoint) -> f64; 2]>;
 
+/// Frequency of the load, or of a free motion, Hz.
+fn hertz(point: &ModalPoint) -> f64 {
+    point.listed_omega() / TAU
+}
+
+/// Amplitude of the drive point, m.
+pub fn drive(point: &ModalPoint) -> f64 {
+    point.driven.and_then(|driven| driven.drive).map_or(f64::NAN, |drive| drive.norm())
+}
+
+/// By how much the drive point lags the load, degrees.
+pub fn lag(point: &ModalPoint) -> f64 {
+    point.driven.and_then(|driven| driven.lag_deg()).unwrap_or(f64::NAN)
+}
+
+/// Level of the load, in its unit.
+pub fn level(point: &ModalPoint) -> f64 {
+    point.driven.and_then(|driven| driven.level).unwrap_or(f64::NAN)
+}
+
+/// Level, or force, that holds the motion.
+fn needed(point: &ModalPoint) -> f64 {
+    point.driven.and_then(|driven| driven.level.or(driven.force)).unwrap_or(f64::NAN)
+}
+
+/// Damping ratio of a damped mode, %.
+fn damping_percent(point: &ModalPoint) -> f64 {
+    100.0 * point.driven.and_then(|driven| driven.damping_ratio).unwrap_or(f64::NAN)
+}
+
 impl Draw<'_> {
     fn all(&self) -> Vec<(&'static str, &'static str, Result<Figure, ReportError>)> {
-        let hertz: Value<'_> = &|_, p| p.omega / TAU;
-        let amplitude: Value<'_> = &|c, p| {
-            let subharmonic = self.scene.responses[c.response].subharmonic;
-            self.converter.fundamental(p, c.is_forced(), subharmonic).abs()
-        };
-        let drive: Value<'_> = &|_, p| if p.drive.norm() > 0.0 { p.drive.norm() } else { f64::NAN };
-        let force: Value<'_> = &|_, p| p.motion.contacts.iter().map(|c| c.peak_force).fold(0.0, f64::max);
-        let lag: Value<'_> = &|_, p| if p.drive.norm() > 0.0 { p.lag().to_degrees() } else { f64::NAN };
-        let level: Value<'_> = &|_, p| p.level;
-        let needed: Value<'_> = &|c, p| match c.kind {
-            ResponseKind::DampedMode => 2.0 * p.motion.dissipated_power / (p.motion.at.omega * p.drive.norm()),
-            _ => p.level,
-        };
+        let amplitude: Value = |point| point.fundamental.abs();
         let over_level = |c: &ComputedResponse| c.kind == ResponseKind::Force;
         let over_frequency = |c: &ComputedResponse| !over_level(c);
         let of_window = |c: &ComputedResponse| matches!(c.kind, ResponseKind::Frequency | ResponseKind::PhaseResonance);
@@ -68,7 +85,7 @@ impl Draw<'_> {
         let resonant = |c: &ComputedResponse| matches!(c.kind, ResponseKind::PhaseResonance | ResponseKind::DampedMode);
         let frequency = || Quantity::linear("frequency", "Hz");
         let fundamental = || Quantity::linear("fundamental of the first contact", "m");
-        let unit = self.model.unit;
+        let unit = self.unit;
         let of_laid = |y: fn(&LaidPoint) -> f64| -> LaidValues { Some([|p: &LaidPoint| p.frequency, y]) };
         vec![
             (
@@ -121,7 +138,7 @@ impl Draw<'_> {
                 self.figure(
                     &over_frequency,
                     [frequency(), Quantity::linear("largest contact force", "N")],
-                    (hertz, force),
+                    (hertz, |point| point.peak_contact_force),
                     of_laid(|p| p.force),
                     false,
                 ),
@@ -132,7 +149,7 @@ impl Draw<'_> {
                 self.figure(
                     &is_damped,
                     [Quantity::logarithmic("averaged kinetic energy", "J"), Quantity::linear("damping ratio in %", "")],
-                    (&|_, p| p.motion.kinetic_energy, &|_, p| 100.0 * p.motion.damping_ratio()),
+                    (|point| point.kinetic_energy, damping_percent),
                     None,
                     false,
                 ),
@@ -155,15 +172,15 @@ impl Draw<'_> {
         &self,
         is_shown: &dyn Fn(&ComputedResponse) -> bool,
         [abscissa, ordinate]: [Quantity; 2],
-        (x, y): (Value<'_>, Value<'_>),
+        (x, y): (Value, Value),
         laid: LaidValues,
         is_bounded: bool,
     ) -> Result<Figure, ReportError> {
-        let shown = || self.curves.iter().filter(|c| is_shown(c) && !c.points().is_empty());
+        let shown = || self.curves.iter().filter(|c| is_shown(c) && !c.branch.points.is_empty());
         let line = |c: &ComputedResponse| ResponseLine {
-            name: c.name.clone(),
+            name: c.branch.label.clone(),
             kind: kind(c.kind),
-            points: c.points().iter().map(|p| (x(c, p), y(c, p), p.stability.and_then(|s| s.stable))).collect(),
+            points: c.branch.points.iter().map(|p| (x(p), y(p), p.stability.and_then(|s| s.stable))).collect(),
         };
         let mut lines: Vec<ResponseLine> = shown().map(line).collect();
         if is_bounded {
@@ -179,8 +196,8 @@ impl Draw<'_> {
         }
         let mut figure = ResponseFigure::new(&lines, abscissa, ordinate).title(&self.scene.title);
         for computed in shown().filter(|c| c.kind == ResponseKind::PhaseResonance) {
-            for point in computed.curve.iter().flat_map(|curve| &curve.at_levels) {
-                figure = figure.mark(x(computed, point), y(computed, point), "");
+            for point in &computed.at_levels {
+                figure = figure.mark(x(point), y(point), "");
             }
         }
         figure.render()

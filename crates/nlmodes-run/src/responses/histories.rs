@@ -6,7 +6,7 @@ use std::path::Path;
 
 use nlmodes::modal::{ContactInstant, TimeHistory};
 use nlmodes::report::{PointHistories, write_histories};
-use nlmodes::response::{ResponseError, ResponsePoint};
+use nlmodes::response::ResponseError;
 use nlmodes_scene::scene::Scene;
 
 use super::curves::ComputedResponse;
@@ -23,13 +23,15 @@ const SAMPLES: usize = 1000;
 /// [`ResponseError`] where a contact problem has no solution.
 pub fn of_point(
     model: &Model,
-    point: &ResponsePoint,
-    subharmonic: usize,
+    scene: &Scene,
+    (computed, point): (&ComputedResponse, usize),
     samples: usize,
     label: &str,
 ) -> Result<Vec<TimeHistory>, ResponseError> {
-    let omega = point.motion.at.omega;
-    let pattern = model.response().contact_pattern(&point.motion, subharmonic)?;
+    let found = computed.motions.as_ref().and_then(|curve| curve.points.get(point));
+    let Some(motion) = found.map(|point| &point.motion) else { return Ok(Vec::new()) };
+    let omega = motion.at.omega;
+    let pattern = model.response().contact_pattern(motion, scene.responses[computed.response].subharmonic)?;
     let stretches = pattern.stretches();
     let empty = |(side, gap): (&f64, &f64)| TimeHistory::empty(label, side * gap);
     let mut all: Vec<TimeHistory> = model.sides.iter().zip(&model.gaps).map(empty).collect();
@@ -61,21 +63,20 @@ pub fn write(directory: &Path, scene: &Scene, model: &Model, curves: &[ComputedR
     let mut wanted: BTreeSet<usize> = scene.files.histories.iter().copied().collect();
     let mut first = 0;
     for computed in curves {
-        let force = |p: &ResponsePoint| p.motion.contacts.iter().map(|c| c.peak_force).fold(0.0, f64::max);
-        let points = computed.points();
-        let largest = (0..points.len()).max_by(|&a, &b| force(&points[a]).total_cmp(&force(&points[b])));
+        let points = &computed.branch.points;
+        let force = |k: &usize| points[*k].peak_contact_force;
+        let largest = (0..points.len()).max_by(|a, b| force(a).total_cmp(&force(b)));
         wanted.extend(largest.map(|k| first + k));
         first += points.len();
     }
     let mut histories = PointHistories::default();
     let mut number = 0;
     for computed in curves {
-        let subharmonic = scene.responses[computed.response].subharmonic;
-        for point in computed.points() {
+        for (k, point) in computed.branch.points.iter().enumerate() {
             if wanted.contains(&number) {
-                let label = format!("{}, {:.4} Hz", computed.name, point.omega / TAU);
+                let label = format!("{}, {:.4} Hz", computed.branch.label, point.listed_omega() / TAU);
                 histories.points.push(number);
-                histories.motions.push(of_point(model, point, subharmonic, SAMPLES, &label)?);
+                histories.motions.push(of_point(model, scene, (computed, k), SAMPLES, &label)?);
             }
             number += 1;
         }

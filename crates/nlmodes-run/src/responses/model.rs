@@ -1,5 +1,5 @@
 use nlmodes::hbm::{HbmError, modal_grazing};
-use nlmodes::modal::Coordinate;
+use nlmodes::modal::{BranchEnd, Coordinate, EndReason, ModalBranch};
 use nlmodes::model::MassShift;
 use nlmodes::response::{Dashpot, ResponseError, ResponseModel, Weights};
 use nlmodes_reduction::OpenModes;
@@ -153,6 +153,18 @@ impl Model {
         let mut model = self.response.clone();
         model.set_drive_at(self.drives.get(response).cloned().unwrap_or_default())?;
         Ok(model)
+    }
+
+    /// A curve without points, for this reason.
+    pub fn no_branch(&self, name: &str, why: String) -> ModalBranch {
+        ModalBranch {
+            label: name.to_owned(),
+            coordinates: self.coordinates.clone(),
+            contact_coordinate: self.contact_coordinates.first().copied().flatten(),
+            stop: self.sides.first().zip(self.gaps.first()).map(|(side, gap)| side * gap),
+            points: Vec::new(),
+            end: BranchEnd::new(EndReason::NoStart, why, false),
+        }
     }
 
     /// The structure with its load, and no drive point.

@@ -5,13 +5,14 @@ mod read;
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use nlmodes::report::columns::RESPONSE_DIFFERENCE_COLUMNS;
-use nlmodes::report::{LineKind, ReportError, write_file};
+use nlmodes::modal::ModalPoint;
+use nlmodes::report::columns::{ResponseDifferenceRow, Row};
+use nlmodes::report::{LineKind, ReportError, write_rows};
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::scene::ResponseKind;
 
-use super::convert::Converter;
 use super::curves::ComputedResponse;
+use super::figures;
 use crate::overlay::{by, percent};
 use crate::{Event, Observer, RunError, refusal};
 
@@ -73,12 +74,7 @@ pub fn read(file: &SceneFile, observer: &mut dyn Observer) -> Result<Vec<LaidCur
 }
 
 /// Each point that lies within the curves over the frequency of this scene, beside the one that is nearest there.
-pub fn beside(
-    laid: &LaidCurve,
-    curves: &[ComputedResponse],
-    converter: &Converter<'_>,
-    subharmonic: &dyn Fn(&ComputedResponse) -> usize,
-) -> Vec<Beside> {
+pub fn beside(laid: &LaidCurve, curves: &[ComputedResponse]) -> Vec<Beside> {
     // Modes and phase resonances belong to no level.
     if !matches!(laid.kind, LineKind::Response | LineKind::Measured) {
         return Vec::new();
@@ -87,16 +83,16 @@ pub fn beside(
         .iter()
         .filter(|computed| computed.kind == ResponseKind::Frequency)
         .map(|computed| {
-            let point = |(number, p): (usize, &nlmodes::response::ResponsePoint)| LaidPoint {
+            let point = |(number, p): (usize, &ModalPoint)| LaidPoint {
                 number,
-                frequency: p.omega / TAU,
-                level: p.level,
-                fundamental: converter.fundamental(p, true, subharmonic(computed)).abs(),
-                drive: if p.drive.norm() > 0.0 { p.drive.norm() } else { f64::NAN },
-                lag: p.lag().to_degrees(),
-                force: p.motion.contacts.iter().map(|c| c.peak_force).fold(0.0, f64::max),
+                frequency: p.listed_omega() / TAU,
+                level: figures::level(p),
+                fundamental: p.fundamental.abs(),
+                drive: figures::drive(p),
+                lag: figures::lag(p),
+                force: p.peak_contact_force,
             };
-            computed.points().iter().enumerate().map(point).collect()
+            computed.branch.points.iter().enumerate().map(point).collect()
         })
         .collect();
     laid.points.iter().filter_map(|point| nearest(point, &forced).map(|own| Beside { laid: *point, own })).collect()
@@ -173,25 +169,20 @@ pub fn write(directory: &Path, all: &[(LaidCurve, Vec<Beside>)]) -> Result<(), R
     if all.is_empty() {
         return Ok(());
     }
-    let mut text = RESPONSE_DIFFERENCE_COLUMNS.map(|column| column.name).join(",") + "\n";
-    for (laid, found) in all {
-        let name = format!("\"{}\"", laid.name.replace('"', "\"\""));
-        for Beside { laid, own } in found {
-            let values = [
-                laid.frequency,
-                laid.level,
-                laid.fundamental,
-                own.fundamental,
-                laid.drive,
-                own.drive,
-                laid.force,
-                own.force,
-            ];
-            let values = values.map(|value| format!("{value:?}")).join(",");
-            text += &format!("{name},{},{values}\n", laid.number);
-        }
-    }
-    write_file(directory.join("response_overlay.csv"), text.as_bytes())
+    let row = |name: &str, Beside { laid, own }: &Beside| ResponseDifferenceRow {
+        overlay: name.to_owned(),
+        point: laid.number,
+        frequency_hz: laid.frequency,
+        level: laid.level,
+        fundamental_m: laid.fundamental,
+        curve_fundamental_m: own.fundamental,
+        drive_fundamental_m: laid.drive,
+        curve_drive_fundamental_m: own.drive,
+        peak_contact_force_n: laid.force,
+        curve_peak_contact_force_n: own.force,
+    };
+    let rows = all.iter().flat_map(|(laid, found)| found.iter().map(move |beside| row(&laid.name, beside)));
+    write_rows(directory.join("response_overlay.csv"), &ResponseDifferenceRow::unknown(), rows)
 }
 
 #[cfg(test)]

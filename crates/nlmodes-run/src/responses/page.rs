@@ -3,15 +3,13 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use nlmodes::modal::{ModalBranch, TimeHistory};
+use nlmodes::modal::{ModalBranch, ModalPoint, TimeHistory};
 use nlmodes::report::{DataTable, HtmlReport, StopLine};
-use nlmodes::response::ResponsePoint;
 use nlmodes_scene::number;
 use nlmodes_scene::scene::Scene;
 
-use super::convert::Converter;
 use super::curves::ComputedResponse;
-use super::figures::{Named, kind};
+use super::figures::{self, Named, kind};
 use super::histories;
 use super::model::Model;
 use crate::Failure;
@@ -28,14 +26,11 @@ pub fn write(
     (curves, certificate, sentences): (&[ComputedResponse], &Certificate, &[String]),
     (figures, is_overlaid): (Vec<Named>, bool),
 ) -> Result<(), Failure> {
-    let converter = Converter::new(model)?;
-    let shown: Vec<&ComputedResponse> = curves.iter().filter(|c| !c.points().is_empty()).collect();
-    let branches: Vec<ModalBranch> = shown.iter().map(|computed| converter.branch(scene, computed)).collect();
-    let references: Vec<&ModalBranch> = branches.iter().collect();
+    let shown: Vec<&ComputedResponse> = curves.iter().filter(|c| !c.branch.points.is_empty()).collect();
+    let references: Vec<&ModalBranch> = shown.iter().map(|computed| &computed.branch).collect();
     let motion = |branch: usize, point: usize| -> Option<Vec<TimeHistory>> {
         let computed = shown[branch];
-        let subharmonic = scene.responses[computed.response].subharmonic;
-        histories::of_point(model, computed.points().get(point)?, subharmonic, SAMPLES, &computed.name).ok()
+        histories::of_point(model, scene, (computed, point), SAMPLES, &computed.branch.label).ok()
     };
     let harmonics = scene.method.harmonics;
     let mut report = HtmlReport::new(&scene.title, &references)
@@ -56,11 +51,13 @@ pub fn write(
     for sentence in sentences {
         report = report.line(sentence.clone());
     }
-    for computed in curves.iter().filter(|c| c.curve.is_err()) {
-        report = report.line(format!("{}: {}", computed.name, computed.message));
+    for computed in curves {
+        if let Err(why) = computed.said() {
+            report = report.line(format!("{}: {why}", computed.branch.label));
+        }
     }
-    for (label, value) in quantities(scene, model, &converter) {
-        let of = |computed: &&ComputedResponse| computed.points().iter().map(|point| value(computed, point)).collect();
+    for (label, value) in quantities(model.unit) {
+        let of = |computed: &&ComputedResponse| computed.branch.points.iter().map(value).collect();
         report = report.quantity(label, shown.iter().map(of).collect());
     }
     for (k, (name, title, figure)) in figures.into_iter().enumerate() {
@@ -77,22 +74,13 @@ pub fn write(
     Ok(report.write(directory.join("report.html"))?)
 }
 
-/// What there is of points of responses beside what all points have.
-type Quantity<'a> = (String, Box<dyn Fn(&ComputedResponse, &ResponsePoint) -> f64 + 'a>);
-
 /// Amplitude of the first contact, that of the drive point, its lag, and the level, in the order of [`axes`].
-fn quantities<'a>(scene: &'a Scene, model: &Model, converter: &'a Converter<'_>) -> [Quantity<'a>; 4] {
-    let contact = |c: &ComputedResponse, p: &ResponsePoint| {
-        converter.fundamental(p, c.is_forced(), scene.responses[c.response].subharmonic).abs()
-    };
-    let moving = |p: &ResponsePoint| Some(p.drive.norm()).filter(|norm| *norm > 0.0);
-    let drive = move |_: &ComputedResponse, p: &ResponsePoint| moving(p).unwrap_or(f64::NAN);
-    let lag = move |_: &ComputedResponse, p: &ResponsePoint| moving(p).map_or(f64::NAN, |_| p.lag().to_degrees());
+fn quantities(unit: &str) -> [(String, fn(&ModalPoint) -> f64); 4] {
     [
-        ("fundamental of the first contact in m".to_owned(), Box::new(contact)),
-        ("fundamental of the drive point in m".to_owned(), Box::new(drive)),
-        ("lag of the drive point in degrees".to_owned(), Box::new(lag)),
-        (format!("level in {}", model.unit), Box::new(|_: &ComputedResponse, p: &ResponsePoint| p.level)),
+        ("fundamental of the first contact in m".to_owned(), |point| point.fundamental.abs()),
+        ("fundamental of the drive point in m".to_owned(), figures::drive),
+        ("lag of the drive point in degrees".to_owned(), figures::lag),
+        (format!("level in {unit}"), figures::level),
     ]
 }
 
@@ -124,18 +112,18 @@ fn resonances(model: &Model, curves: &[ComputedResponse]) -> DataTable {
     let head = ["curve", level.as_str(), "frequency, Hz", "drive point, m", "largest contact force, N", "stable"];
     let mut table = DataTable::new("Phase resonances at the levels of the scene", &head);
     for computed in curves {
-        for point in computed.curve.iter().flat_map(|curve| &curve.at_levels) {
-            let force = point.motion.contacts.iter().map(|c| c.peak_force).fold(0.0, f64::max);
+        for point in &computed.at_levels {
+            let force = point.peak_contact_force;
             let stable = match point.stability.and_then(|s| s.stable) {
                 Some(true) => "yes",
                 Some(false) => "no",
                 None => "uncertain",
             };
             table.rows.push(vec![
-                computed.name.clone(),
-                number(point.level),
-                format!("{:.6}", point.omega / TAU),
-                format!("{:.5e}", point.drive.norm()),
+                computed.branch.label.clone(),
+                number(figures::level(point)),
+                format!("{:.6}", point.listed_omega() / TAU),
+                format!("{:.5e}", figures::drive(point)),
                 number(format!("{force:.5e}").parse().unwrap_or(force)),
                 stable.to_owned(),
             ]);

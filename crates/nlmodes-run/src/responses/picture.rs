@@ -8,7 +8,6 @@ use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::Structures;
 use nlmodes_scene::scene::StabilityChoice;
 
-use super::convert::Converter;
 use super::curves::{follow, jobs};
 use super::model::Model;
 use super::{histories, page};
@@ -36,18 +35,15 @@ pub fn picture(file: &SceneFile, watch: &Watch, structures: &Structures) -> Resu
         return Err(RunError::Ended);
     }
     let Some(first) = curves.first() else { return Err(RunError::Ended) };
-    if let Err(why) = &first.curve {
+    if let Err(why) = first.said() {
         return Err(file.error_at("response", why, "this response", &[]).into());
     }
-    let converter = Converter::new(&model).map_err(|error| RunError::Files(error.into()))?;
-    let branch = converter.branch(scene, first);
-    let branches: [&ModalBranch; 1] = [&branch];
-    let subharmonic = scene.responses[first.response].subharmonic;
+    let branches: [&ModalBranch; 1] = [&first.branch];
     let motion = |_: usize, point: usize| -> Option<Vec<TimeHistory>> {
         if watch.asks_to_end() {
             return None;
         }
-        histories::of_point(&model, first.points().get(point)?, subharmonic, SAMPLES, &name).ok()
+        histories::of_point(&model, scene, (first, point), SAMPLES, &name).ok()
     };
     let report = HtmlReport::new(&scene.title, &branches)
         .clamped_at(&model.held_ends)

@@ -3,13 +3,14 @@
 use std::path::Path;
 use std::time::Instant;
 
+use nlmodes::modal::ModalPoint;
 use nlmodes::report::write_summary;
-use nlmodes::response::ResponsePoint;
 use nlmodes_scene::scene::Scene;
 use serde_json::{Value, json};
 
 use super::curves::ComputedResponse;
 use super::model::Model;
+use super::tables::points;
 use crate::Failure;
 use crate::certificate::Certificate;
 
@@ -29,7 +30,7 @@ pub fn write(
     let mut all = Vec::new();
     for computed in curves {
         all.push(curve(computed, first));
-        first += computed.points().len();
+        first += computed.branch.points.len();
     }
     let content = json!({
         "program": "nlmodes-cli",
@@ -41,7 +42,7 @@ pub fn write(
         "points": first,
         "curves": all,
         "complete": curves.iter().all(ComputedResponse::is_complete),
-        "largest_residual": curves.iter().flat_map(ComputedResponse::points).map(|p| p.residual).fold(0.0, f64::max),
+        "largest_residual": points(curves).map(|(_, _, point)| point.residual).fold(0.0, f64::max),
         "largest_power_imbalance": imbalance(curves),
         "certificate": certificate,
         "wall_time_s": began.elapsed().as_secs_f64(),
@@ -51,45 +52,41 @@ pub fn write(
 
 /// Largest difference of input and dissipated power, over the latter, of forced motions.
 pub fn imbalance(curves: &[ComputedResponse]) -> f64 {
-    let forced = curves.iter().filter(|c| c.is_forced()).flat_map(ComputedResponse::points);
-    let powers = forced.map(|p| (p.motion.input_power, p.motion.dissipated_power));
+    let driven = points(curves).filter_map(|(_, _, point)| point.driven);
+    let powers = driven.filter_map(|driven| Some((driven.input_power?, driven.dissipated_power)));
     powers.filter(|(_, out)| *out > 0.0).map(|(input, out)| (input / out - 1.0).abs()).fold(0.0, f64::max)
 }
 
 /// A curve whose first point is the row `first` of `branch.csv`.
 fn curve(computed: &ComputedResponse, first: usize) -> Value {
-    let at = |point: &ResponsePoint| {
+    let branch = &computed.branch;
+    let at = |point: &ModalPoint| {
         json!({
-            "frequency_hz": nlmodes::report::hertz(point.omega),
-            "level": point.level,
-            "drive_fundamental_m": point.drive.norm(),
+            "frequency_hz": nlmodes::report::hertz(point.listed_omega()),
+            "level": point.driven.and_then(|driven| driven.level).unwrap_or(0.0),
+            "drive_fundamental_m": point.driven.and_then(|driven| driven.drive).map_or(0.0, |drive| drive.norm()),
         })
     };
-    let with = |(i, point): (usize, &ResponsePoint)| {
+    let with = |(i, point): (usize, &ModalPoint)| {
         let mut event = at(point);
         event["point"] = json!(first + i);
         event["events"] = json!(point.events.iter().map(|e| e.name()).collect::<Vec<_>>());
         event
     };
-    let events = computed.points().iter().enumerate().filter(|(_, p)| !p.events.is_empty()).map(with);
-    let at_levels = computed.curve.iter().flat_map(|curve| &curve.at_levels).map(at);
-    let unknown = computed.points().iter().filter(|p| p.stability.is_some_and(|s| s.stable.is_none())).count();
+    let events = branch.points.iter().enumerate().filter(|(_, p)| !p.events.is_empty()).map(with);
+    let unknown = branch.points.iter().filter(|p| p.stability.is_some_and(|s| s.stable.is_none())).count();
     json!({
         "response": computed.response + 1,
         "kind": computed.kind.name(),
-        "name": computed.name,
+        "name": branch.label,
         "level": computed.level,
         "detached": computed.is_detached,
         "first_point": first,
-        "points": computed.points().len(),
+        "points": branch.points.len(),
         "events": events.collect::<Vec<Value>>(),
-        "phase_resonances": at_levels.collect::<Vec<Value>>(),
+        "phase_resonances": computed.at_levels.iter().map(at).collect::<Vec<Value>>(),
         "points_of_uncertain_stability": unknown,
-        "end": {
-            "reason": computed.curve.as_ref().map_or("no-start", |curve| curve.end.reason().name()),
-            "message": computed.message,
-            "complete": computed.is_complete(),
-        },
+        "end": { "reason": branch.end.names(), "message": branch.end.message, "complete": branch.end.complete },
         "wall_time_s": computed.wall_time.as_secs_f64(),
     })
 }

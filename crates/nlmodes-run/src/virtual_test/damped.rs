@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use nlmodes::branches::Watch;
 use nlmodes::linalg::sparse_from_triplets;
-use nlmodes::modal::{BranchEnd, HarmonicCoefficients, ModalBranch, ModalPoint};
+use nlmodes::modal::ModalBranch;
 use nlmodes::model::{ContactLaw, Side};
 use nlmodes::response::{
     Cancel, Damping, ResponseCurve, ResponseModel, ResponsePoint, ResponseSettings, Weights, damped_mode,
@@ -66,8 +66,8 @@ pub fn compute(
         coordinates: Vec::new(),
         contact_coordinate: None,
         stop: None,
-        points: curve.points.iter().map(point).collect(),
-        end: BranchEnd::new(curve.end.reason(), curve.end.to_string(), curve.end.is_complete()),
+        points: curve.points.iter().map(ResponsePoint::modal_point).collect(),
+        end: curve.end,
     })
 }
 
@@ -114,27 +114,4 @@ fn in_contact(mut curve: ResponseCurve) -> ResponseCurve {
     let first = curve.points.iter().position(touches).unwrap_or(curve.points.len());
     curve.points.drain(..first.saturating_sub(1));
     curve
-}
-
-fn point(point: &ResponsePoint) -> ModalPoint {
-    let (motion, first) = (&point.motion, point.motion.contacts.first());
-    ModalPoint {
-        omega: motion.at.omega,
-        coefficients: HarmonicCoefficients::zeros(0, 0),
-        kinetic_energy: motion.kinetic_energy,
-        harmonic_energy: Vec::new(),
-        resonance: None,
-        stability: None,
-        total_energy: motion.total_energy,
-        modal_amplitude: motion.modal_amplitude(),
-        fundamental: f64::NAN,
-        peak: first.map_or(f64::NAN, |c| c.peak),
-        contact_fraction: first.map_or(f64::NAN, |c| c.closed_share),
-        contact_intervals: motion.contacts.iter().map(|c| c.touches).sum(),
-        peak_contact_force: motion.contacts.iter().map(|c| c.peak_force).fold(0.0, f64::max),
-        contacts: Vec::new(),
-        residual: point.residual,
-        error_estimate: None,
-        events: point.events.clone(),
-    }
 }

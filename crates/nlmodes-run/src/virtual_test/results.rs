@@ -16,7 +16,7 @@ use crate::Failure;
 use crate::forces::{self, Forces};
 use crate::overlay::Laid;
 use crate::records::against::Against;
-use crate::records::table::Table;
+use crate::records::table::{Drive, Table};
 use crate::records::{RecordOutcome, figures, page};
 use nlmodes_scene::scene::{BackboneMethod, RecordFormat, TestScene};
 
@@ -102,15 +102,12 @@ fn controlled((index, level): (usize, &TestLevel)) -> Option<Forces> {
 }
 
 /// The table of the levels.
-///
-/// # Errors
-/// As [`Table::new`].
-pub fn table(scene: &TestScene, rig: &Rig) -> Result<Table, Failure> {
-    let column = match scene.exciter {
-        Exciter::Shaker(_) => "drive_v",
-        Exciter::IdealForce => "drive_n",
+pub fn table(scene: &TestScene, rig: &Rig) -> Table {
+    let drive = match scene.exciter {
+        Exciter::Shaker(_) => Drive::Signal,
+        Exciter::IdealForce => Drive::Force,
     };
-    Table::new(rig.modes.n_modes(), Some(column))
+    Table::new(rig.modes.n_modes(), Some(drive))
 }
 
 /// A level as a row of the table.

@@ -40,7 +40,7 @@ fn curve(structure: &str, rest: &str, modes: usize) -> Vec<ResponsePoint> {
     file.scene.output_directory = place.path().join("out");
     let outcome = nlmodes_run::responses::run(&file, Over::Same, &mut Silent).unwrap();
     assert!(outcome.is_complete(), "{:?}", outcome.curves[0].said());
-    outcome.curves[0].points().to_vec()
+    outcome.curves[0].motions.as_ref().unwrap().points.clone()
 }
 
 fn over_force(hz: f64, level: f64) -> String {

@@ -1,7 +1,7 @@
 //! The quantities of each case.
 
 use nlmodes::modal::Event;
-use nlmodes::report::BRANCH_COLUMNS;
+use nlmodes::report::columns::{BranchRow, Row};
 use nlmodes_scene::{Diagnostic, Diagnostics, nearest};
 use serde_json::Value;
 
@@ -26,7 +26,8 @@ fn quantity(raw: &RawQuantity, k: usize, diagnostics: &mut Diagnostics<'_>) -> O
 
 /// Numerical columns of a branch.
 fn columns() -> impl Iterator<Item = &'static str> {
-    std::iter::once(ENERGY_RATIO).chain(BRANCH_COLUMNS.into_iter().filter(|name| has_numbers(name)))
+    let names = BranchRow::COLUMNS.iter().map(|column| column.name);
+    std::iter::once(ENERGY_RATIO).chain(names.filter(|name| has_numbers(name)))
 }
 
 fn is_column(name: &str, path: &str, diagnostics: &mut Diagnostics<'_>) -> Option<()> {

@@ -198,7 +198,7 @@ impl ComputedBranch {
 
     /// Points that are stable, unstable, and of unknown stability.
     pub fn stability_counts(&self) -> [usize; 3] {
-        let count = |wanted| self.branch.points.iter().filter(|p| p.stability.map(|s| s.stable) == wanted).count();
+        let count = |wanted| self.branch.points.iter().filter(|p| p.stability.and_then(|s| s.stable) == wanted).count();
         [count(Some(true)), count(Some(false)), count(None)]
     }
 }

@@ -125,19 +125,12 @@ mod tests {
             coefficients: HarmonicCoefficients::zeros(1, 3),
             kinetic_energy: energy,
             harmonic_energy: vec![0.0, others * energy, 0.0, (1.0 - others) * energy],
-            resonance: None,
-            stability: None,
             total_energy: 2.0 * energy,
             modal_amplitude: 1.0,
             fundamental: 1.0,
             peak: 1.0,
-            contact_fraction: 0.0,
-            contact_intervals: 0,
-            peak_contact_force: 0.0,
-            contacts: Vec::new(),
-            residual: 0.0,
-            error_estimate: None,
             events: event.into_iter().collect(),
+            ..ModalPoint::default()
         }
     }
 

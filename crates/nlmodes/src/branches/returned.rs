@@ -60,20 +60,12 @@ mod tests {
             omega: TAU,
             coefficients: HarmonicCoefficients::zeros(1, 1),
             kinetic_energy,
-            harmonic_energy: Vec::new(),
-            resonance: None,
-            stability: None,
             total_energy: 2.0 * kinetic_energy,
             modal_amplitude: 1.0,
             fundamental: 1.0,
             peak: 1.0,
-            contact_fraction: 0.0,
             contact_intervals,
-            peak_contact_force: 0.0,
-            contacts: Vec::new(),
-            residual: 0.0,
-            error_estimate: None,
-            events: Vec::new(),
+            ..ModalPoint::default()
         }
     }
 

@@ -6,7 +6,7 @@ use nlmodes_continuation::Continuation;
 use nlmodes_hbm::Grazing;
 use nlmodes_modal::{ModalPoint, Stability};
 use nlmodes_model::MasslessContactModel;
-use nlmodes_timestep::{Floquet, GalerkinReduction, MAX_SHOOTING_MODES, ModeShooting};
+use nlmodes_timestep::{GalerkinReduction, MAX_SHOOTING_MODES, ModeShooting};
 
 use super::periodic::Periodic;
 use super::watch::Watched;
@@ -61,7 +61,7 @@ impl Probe {
     /// Stability of the point with the unknowns `x`; `None` where it is not asked for or could not be found.
     pub fn of(&mut self, viewer: &mut Periodic, x: &[f64], point: &ModalPoint) -> Option<Stability> {
         match self {
-            Self::Exact => viewer.shooting()?.floquet(x).ok().map(|found| stability(&found)),
+            Self::Exact => viewer.shooting()?.floquet(x).ok().map(|found| found.stability()),
             Self::Beside(beside) => beside.of(point),
             Self::Silent => None,
         }
@@ -97,13 +97,8 @@ impl Beside {
         if length(&gap) > NEAR * length(x) {
             return None;
         }
-        self.shooting.floquet(&exact.x).ok().map(|found| stability(&found))
+        self.shooting.floquet(&exact.x).ok().map(|found| found.stability())
     }
-}
-
-fn stability(floquet: &Floquet) -> Stability {
-    let largest = floquet.multipliers.first().map_or([1.0, 0.0], |μ| [μ.re, μ.im.abs()]);
-    Stability { stable: floquet.is_stable(), largest_multiplier: largest }
 }
 
 pub(super) fn length(z: &[f64]) -> f64 {

@@ -64,7 +64,7 @@ impl<'s> Viewer<'s> {
     }
 
     /// The first solution between `from` and `to` whose stability is that of `to`, by bisection along the branch.
-    pub fn change(&mut self, from: &[f64], to: &[f64], stable: bool) -> Option<(Vec<f64>, ModalPoint)> {
+    pub fn change(&mut self, from: &[f64], to: &[f64], stable: Option<bool>) -> Option<(Vec<f64>, ModalPoint)> {
         let (mut low, mut high, mut found) = (from.to_vec(), to.to_vec(), None);
         let method = Continuation { max_points: 1, ..Continuation::default() };
         for _ in 0..MOST_HALVINGS {

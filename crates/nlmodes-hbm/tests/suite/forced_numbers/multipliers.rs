@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use nlmodes_continuation::ParametricSystem;
-use nlmodes_hbm::{Floquet, Instability, Load, ModalDamping, ModalStructure, PeriodicSystem, Scales};
+use nlmodes_hbm::{Floquet, Load, ModalDamping, ModalStructure, PeriodicSystem, Scales};
 use nlmodes_model::{Contact, ContactLaw, Dof, DofKind, Side, StructuralModel};
 use num_complex::Complex64;
 
@@ -73,7 +73,8 @@ fn the_peak_of_two_masses_is_the_one_known_and_its_multiplier_too() {
     let floquet = fine.floquet(&x, omega, solver().as_ref()).unwrap();
     let off = (floquet.largest().re + 1.1924192).abs();
     assert!(off < 3e-3 && off < floquet.error, "{floquet:?}");
-    assert_eq!((floquet.is_stable(), floquet.instability()), (Some(false), Instability::PeriodDoubling));
+    let stability = floquet.stability();
+    assert_eq!((stability.stable, stability.loss()), (Some(false), Some(nlmodes_modal::Event::PeriodDoubling)));
     let product: Complex64 = floquet.multipliers.iter().product();
     let expected = (-structure.damping().trace() * TAU / omega).exp();
     assert!((product.re / expected - 1.0).abs() < 1e-9 && product.im.abs() < 1e-9 * expected);
@@ -157,7 +158,7 @@ fn multipliers_of_the_responses_of_the_rod_are_the_known_ones() {
     for (floquet, expected) in found {
         let largest = floquet.largest();
         assert!((largest - expected).norm() < 1e-5, "{largest} for {expected}, error {:e}", floquet.error);
-        assert_eq!(floquet.is_stable(), Some(largest.norm() < 1.0));
+        assert_eq!(floquet.stability().stable, Some(largest.norm() < 1.0));
     }
 }
 

@@ -25,9 +25,9 @@ pub(super) enum State {
 
 impl State {
     pub fn of(point: &ModalPoint) -> Self {
-        match point.stability {
-            Some(stability) if stability.stable => Self::Stable,
-            Some(_) => Self::Unstable,
+        match point.stability.and_then(|stability| stability.stable) {
+            Some(true) => Self::Stable,
+            Some(false) => Self::Unstable,
             None => Self::Unknown,
         }
     }

@@ -104,7 +104,7 @@ fn the_legend_names_what_has_a_point_in_its_figure() {
     test.points.iter_mut().for_each(|point| (point.kinetic_energy, point.stability) = (f64::NAN, None));
     let mut rod = samples::rod(5, 1);
     for point in &mut rod.points {
-        point.stability = Some(Stability { stable: true, largest_multiplier: [1.0, 0.0] });
+        point.stability = Some(Stability::conservative(true, [1.0, 0.0]));
     }
     for (abscissa, is_there) in BOTH.into_iter().zip([false, true]) {
         let figure = BranchFigure::new(abscissa, &[&rod, &test]).scattered(&[1]).render().unwrap();
@@ -213,7 +213,7 @@ fn unstable_stretches_are_dashed_and_begin_where_the_stable_ones_end() {
     for (i, point) in branch.points.iter_mut().enumerate() {
         let unstable = (3..6).contains(&i);
         let largest_multiplier = if unstable { [-1.5, 0.0] } else { [1.0, 0.0] };
-        point.stability = (i < 7).then_some(Stability { stable: !unstable, largest_multiplier });
+        point.stability = (i < 7).then_some(Stability::conservative(!unstable, largest_multiplier));
     }
     let figure = BranchFigure::new(Abscissa::Energy, &[&branch]).render().unwrap();
     let document = checked(&figure);

@@ -39,20 +39,14 @@ fn point(amplitude: f64, coordinates: &[Coordinate], n_harmonics: usize) -> Moda
         omega: omega(amplitude),
         coefficients,
         kinetic_energy: 0.5 * energy,
-        harmonic_energy: Vec::new(),
-        resonance: None,
-        stability: None,
         total_energy: energy,
         modal_amplitude: tip[1].norm() * MASS.sqrt(),
         fundamental: tip[1].re,
         peak: STOP,
-        contact_fraction: 0.0,
         contact_intervals: usize::from(amplitude > STOP),
         peak_contact_force: 0.1 + amplitude / 3.0,
-        contacts: Vec::new(),
         residual: 1.234_567_890_123_456_7e-13,
-        error_estimate: None,
-        events: Vec::new(),
+        ..ModalPoint::default()
     }
 }
 

@@ -1,6 +1,8 @@
 use crate::report::samples;
+use nlmodes_modal::{ContactPeriod, Driven, InternalResonance, ModalPoint, Stability};
 use nlmodes_modal::{Event, HarmonicCoefficients};
-use nlmodes_report::{BRANCH_COLUMNS, BranchWriter, ReportError, write_branch, write_harmonics, write_summary};
+use nlmodes_report::columns::{BranchRow, Cells, ContactRow, ResponseOf, ResponseRow, Row};
+use nlmodes_report::{BranchWriter, ReportError, write_branch, write_harmonics, write_summary};
 use npyz::npz::NpzArchive;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -39,7 +41,12 @@ fn branch_reads_back_bit_for_bit() {
         let hertz: f64 = row[1].parse().unwrap();
         assert!((hertz * TAU / point.omega - 1.0).abs() < 5e-15 + f64::EPSILON && row[1].len() < 20, "{}", &row[1]);
         for (column, value) in floats {
-            assert_eq!(row[column].parse::<f64>().unwrap().to_bits(), value.to_bits(), "{}", BRANCH_COLUMNS[column]);
+            assert_eq!(
+                row[column].parse::<f64>().unwrap().to_bits(),
+                value.to_bits(),
+                "{}",
+                BranchRow::COLUMNS[column].name
+            );
         }
         assert_eq!(row[0].parse::<usize>().unwrap(), index);
         assert_eq!(row[8].parse::<usize>().unwrap(), point.contact_intervals);
@@ -54,7 +61,7 @@ fn header_is_the_agreed_one() {
     let path = folder.path().join("branch.csv");
     write_branch(&path, &samples::rod(0, 1)).unwrap();
     assert_eq!(fs::read_to_string(&path).unwrap(), format!("{HEADER}\n"));
-    assert_eq!(BRANCH_COLUMNS.join(","), HEADER);
+    assert_eq!(BranchRow::COLUMNS.iter().map(|column| column.name).collect::<Vec<_>>().join(","), HEADER);
 }
 
 #[test]
@@ -185,4 +192,64 @@ fn withdrawn_rows_are_off_the_disk_and_others_take_their_place() {
     assert_eq!(fs::read_to_string(&shortened).unwrap().lines().count(), 3);
     branch.points[2..].iter().for_each(|point| writer.append(point).unwrap());
     assert_eq!(fs::read_to_string(&shortened).unwrap(), fs::read_to_string(&whole).unwrap());
+}
+
+/// The row whose cells are these.
+fn read<R: Row>(cells: &[String]) -> R {
+    R::read(|column| &cells[column]).unwrap()
+}
+
+#[test]
+fn what_is_written_of_a_response_reads_back_in_any_unit() {
+    for unit in [1.0, 1e-6] {
+        let stop = ContactPeriod { impulse: 0.3 * unit, touches: 2, closed_share: 0.25, ..ContactPeriod::default() };
+        let point = ModalPoint {
+            omega: TAU * 20.0,
+            kinetic_energy: 2.0 * unit,
+            resonance: Some(InternalResonance { harmonic: 3, mode: 2 }),
+            stability: Some(Stability::damped([-1.5, 0.0], 1e-4)),
+            contacts: vec![stop, ContactPeriod { impulse: 0.1 * unit, ..stop }],
+            events: vec![Event::PeriodDoubling, Event::Kink],
+            driven: Some(Driven {
+                omega: TAU * 40.0,
+                level: Some(4.0 * unit),
+                force: None,
+                drive: Some(Complex64::new(0.0, -1e-3 * unit)),
+                input_power: Some(0.5 * unit),
+                dissipated_power: 0.5 * unit,
+                damping_ratio: None,
+                indicator: Some(f64::NAN),
+                mode_distance: None,
+            }),
+            ..ModalPoint::default()
+        };
+        let of = ResponseOf { response: 1, kind: "frequency", curve: 2, name: "a, b", is_detached: false, unit: "m" };
+        let row = (BranchRow::of(7, &point), ResponseRow::of(of, &point));
+        assert_eq!(row.header().len(), row.cells().len());
+        let (own, response): (BranchRow, ResponseRow) = (read(&row.0.cells()), read(&row.1.cells()));
+        assert_eq!((&own, &response), (&row.0, &row.1));
+        // The load has twice the frequency of the motion; lag and level are those of the load, with its unit.
+        assert_eq!((own.frequency_hz, own.stable, own.multiplier_angle_deg), (40.0, Some(false), Some(180.0)));
+        assert_eq!((response.drive_lag_deg, response.base_amplitude_m), (Some(90.0), Some(4.0 * unit)));
+        assert_eq!((response.level_unit(), response.pbmif, response.force_n), (Some("m"), None, None));
+        assert_eq!(response.curve_name(), "frequency of response 1, a, b, curve 2");
+        // All but its motion and its load is there again.
+        let periods: Vec<ContactPeriod> =
+            ContactRow::of(7, &point).map(|row| read::<ContactRow>(&row.cells()).period()).collect();
+        let again = own.point(periods);
+        assert_eq!(
+            (&again.contacts, &again.events, again.resonance),
+            (&point.contacts, &point.events, point.resonance)
+        );
+        assert!((again.impulse().unwrap() / (0.4 * unit) - 1.0).abs() < 1e-15 && again.driven.is_none());
+    }
+}
+
+#[test]
+fn a_cell_that_holds_something_else_is_named_and_an_unknown_column_is_empty() {
+    let wrong = BranchRow::read(|column| if BranchRow::COLUMNS[column].name == "energy_j" { "much" } else { "" });
+    assert_eq!(wrong.unwrap_err().name, "energy_j");
+    let none = BranchRow::read(|_| "").unwrap();
+    assert!(none.frequency_hz.is_nan() && none.stable.is_none() && none.event.is_empty());
+    assert_eq!(BranchRow::unknown().header().len(), BranchRow::COLUMNS.len());
 }

@@ -14,7 +14,7 @@ fn responses_behind_a_stop_that_presses_at_rest_are_those_of_an_integration_in_t
         let window = [0.8, 1.2].map(|w| w * masses.frequency());
         let settings = ResponseSettings { harmonics: 30, stability: false, ..ResponseSettings::new(window) };
         let curve = frequency_response(&model, masses.level(), &settings).unwrap();
-        assert!(curve.end.is_complete(), "{:?}", curve.end);
+        assert!(curve.end.complete, "{:?}", curve.end);
         let opens = |share: f64| (0.05..0.95).contains(&share);
         let mut seen = 0;
         for point in curve.points.iter().step_by(20) {

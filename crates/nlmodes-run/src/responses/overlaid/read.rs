@@ -1,11 +1,12 @@
 //! Tables of responses.
 
 use nlmodes::report::LineKind;
+use nlmodes::report::columns::{BranchRow, ResponseRow};
 use nlmodes_scene::scene::Overlay;
 
 use super::{LaidCurve, LaidPoint};
 use crate::overlay::{NO_FREQUENCY, OverlayError, Unused};
-use crate::sheet::{Row, Sheet, SheetError};
+use crate::sheet::Sheet;
 
 /// Table of a folder of results.
 const TABLE: &str = "branch.csv";
@@ -20,16 +21,21 @@ pub(super) fn curves(overlay: &Overlay) -> Result<(Vec<LaidCurve>, Unused), Over
         return Err(OverlayError::NoResponses(overlay.path.clone()));
     }
     let mut table = Sheet::open(&path)?;
-    let columns = Columns::of(&table)?;
+    table.needed("frequency_hz")?;
+    if table.column("fundamental_m").or(table.column("drive_fundamental_m")).is_none() {
+        return Err(table.missing("fundamental_m or drive_fundamental_m").into());
+    }
+    let (own, beside) = (table.places::<BranchRow>(), table.places::<ResponseRow>());
     let is_computed = path.ends_with(TABLE);
-    let mut all: Vec<((String, String), LaidCurve)> = Vec::new();
+    let mut all: Vec<((usize, usize), LaidCurve)> = Vec::new();
     let (mut number, mut unused) = (0, Unused::default());
     while let Some(row) = table.row()? {
         unused.rows += 1;
         if unused.rows > MOST_ROWS {
             return Err(OverlayError::TooManyRows(path));
         }
-        let kind = match row.text(columns.kind) {
+        let (read, response): (BranchRow, ResponseRow) = (table.read(&row, &own)?, table.read(&row, &beside)?);
+        let kind = match response.kind.as_str() {
             "" | "frequency" if is_computed => LineKind::Response,
             "" | "frequency" => LineKind::Measured,
             "phase-resonance" => LineKind::Resonance,
@@ -41,14 +47,14 @@ pub(super) fn curves(overlay: &Overlay) -> Result<(Vec<LaidCurve>, Unused), Over
                 continue;
             }
         };
-        let Some(point) = columns.point(&row, number, &table)? else {
+        let Some(point) = point(&read, &response, number) else {
             unused.add(NO_FREQUENCY, row.line);
             continue;
         };
         number += 1;
-        let of = (row.text(columns.response).to_owned(), row.text(columns.curve).to_owned());
+        let of = (response.response, response.curve);
         if all.last().is_none_or(|(before, _)| *before != of) {
-            let name = match row.text(columns.name) {
+            let name = match response.name.as_str() {
                 "" => overlay.label.clone(),
                 name => format!("{}: {name}", overlay.label),
             };
@@ -64,56 +70,20 @@ pub(super) fn curves(overlay: &Overlay) -> Result<(Vec<LaidCurve>, Unused), Over
     Ok((all.into_iter().map(|(_, curve)| curve).collect(), unused))
 }
 
-/// Where the quantities stand in a row.
-struct Columns {
-    frequency: usize,
-    level: Option<usize>,
-    fundamental: Option<usize>,
-    drive: Option<usize>,
-    lag: Option<usize>,
-    force: Option<usize>,
-    response: Option<usize>,
-    curve: Option<usize>,
-    kind: Option<usize>,
-    name: Option<usize>,
-}
-
-impl Columns {
-    fn of(table: &Sheet) -> Result<Self, SheetError> {
-        let column = |name: &str| table.column(name);
-        let found = Self {
-            frequency: table.needed("frequency_hz")?,
-            level: column("level"),
-            fundamental: column("fundamental_m"),
-            drive: column("drive_fundamental_m"),
-            lag: column("drive_lag_deg"),
-            force: column("peak_contact_force_n"),
-            response: column("response"),
-            curve: column("curve"),
-            kind: column("kind"),
-            name: column("name"),
-        };
-        match found.fundamental.or(found.drive) {
-            Some(_) => Ok(found),
-            None => Err(table.missing("fundamental_m or drive_fundamental_m")),
-        }
-    }
-
-    /// The point of a row; `None` without a frequency.
-    fn point(&self, row: &Row, number: usize, table: &Sheet) -> Result<Option<LaidPoint>, SheetError> {
-        let value = |name, column| table.number(row, column, name);
-        let point = LaidPoint {
-            number,
-            frequency: value("frequency_hz", Some(self.frequency))?,
-            level: value("level", self.level)?,
-            // Of a nonlinear mode it has the sign of its phase.
-            fundamental: value("fundamental_m", self.fundamental)?.abs(),
-            drive: value("drive_fundamental_m", self.drive)?.abs(),
-            lag: value("drive_lag_deg", self.lag)?,
-            force: value("peak_contact_force_n", self.force)?,
-        };
-        Ok(Some(point).filter(|point| point.frequency > 0.0))
-    }
+/// The point of a row; `None` without a frequency.
+fn point(own: &BranchRow, response: &ResponseRow, number: usize) -> Option<LaidPoint> {
+    let known = |value: Option<f64>| value.unwrap_or(f64::NAN);
+    let point = LaidPoint {
+        number,
+        frequency: own.frequency_hz,
+        level: known(response.level),
+        // Of a nonlinear mode it has the sign of its phase.
+        fundamental: own.fundamental_m.abs(),
+        drive: known(response.drive_fundamental_m).abs(),
+        lag: known(response.drive_lag_deg),
+        force: own.peak_contact_force_n,
+    };
+    Some(point).filter(|point| point.frequency > 0.0)
 }
 
 #[cfg(test)]
