@@ -1,4 +1,4 @@
-use nlmodes_linalg::{LinalgError, SparseMatrix, sparse_from_columns};
+use nlmodes_linalg::{Digits, LinalgError, SparseMatrix, sparse_from_columns};
 
 /// Each unknown in terms `(k, T_ik)` of others, `q_i = Σ T_ik p_k`.
 pub(crate) type Motion = Vec<Vec<(usize, f64)>>;
@@ -28,6 +28,11 @@ impl LowerTriangle {
     /// The stored entries `(row, column, value)`, column by column.
     pub fn entries(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
         (0..self.order()).flat_map(move |j| self.column(j).map(move |(i, value)| (i, j, value)))
+    }
+
+    /// The digits that its entries show.
+    pub fn digits(&self) -> Digits {
+        Digits::of(self.values.iter().copied())
     }
 
     /// Rows and values of a column.

@@ -4,6 +4,7 @@ mod assemble;
 mod expanded;
 mod files;
 mod inner;
+mod ones;
 mod turned;
 
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -14,6 +15,7 @@ use crate::error::{Problem, ReadError, Result};
 use crate::labels::{Component, DofLabel};
 use crate::lower::LowerTriangle;
 use crate::mesh::{Expanded, Mesh};
+use nlmodes_linalg::Digits;
 
 /// A linear structure of finite elements in SI units: what the files hold, checked against each other.
 ///
@@ -31,6 +33,10 @@ pub struct FeModel {
     pub mesh: Option<Mesh>,
     /// Degrees of freedom that the files or `fixed` hold, which have no row.
     pub fixed: Vec<DofLabel>,
+    /// Those of them that the files hold by ones on both diagonals, with nothing beside them.
+    pub held_by_ones: Vec<DofLabel>,
+    /// Digits with which the entries of stiffness and mass were written, as they show them.
+    pub digits: [Digits; 2],
     /// Mass between a row and a degree of freedom of a node that `fixed` holds: row, what is held, kg, kg·m, kg·m².
     /// What the files hold has none.
     pub fixed_mass: Vec<(usize, DofLabel, f64)>,

@@ -52,6 +52,12 @@ pub enum LinalgError {
         /// The entry with row and column exchanged.
         mirrored: f64,
     },
+    /// A pencil of which both matrices vanish in some motions: no shift makes it definite.
+    #[error("neither the stiffness nor the mass matrix feels {motions} motions")]
+    NeitherStiffnessNorMass {
+        /// Number of these motions.
+        motions: usize,
+    },
     /// The memory for a matrix or a factorisation could not be allocated.
     #[error("not enough memory for the {what}")]
     OutOfMemory {

@@ -9,6 +9,8 @@
 //! | its elimination order, memory and work in advance | `P` | n × n | [`CholeskyPlan`] |
 //! | `K φ = λ M φ`, lowest λ, M symmetric positive semidefinite | λ in rad²/s² | n × n, φ: n × modes | [`lowest_modes`] |
 //! | the same with statics `K x = f`, factored once | `K + sM = L Lᵀ` | n × n | [`Pencil`] |
+//! | what the digits of `K` and `M` leave open of λ | σ_λ in rad²/s² | one a mode | [`Digits`], [`Openness`] |
+//! | `K z = 0` and `M z = 0` | `z` | n × motions | [`CommonMotions`] |
 //! | `A x = μ x`, A dense | μ complex | n × n | [`eigenvalues`] |
 //! | sums, products and parts of sparse matrices | | | [`sparse_from_triplets`], [`multiply`], [`select`] … |
 //!
@@ -34,6 +36,7 @@
 mod cholesky;
 mod compressed;
 mod dense;
+mod digits;
 mod eigenvalues;
 mod error;
 mod exponential;
@@ -47,11 +50,12 @@ mod threads;
 pub use cholesky::{CholeskyPlan, SparseCholesky};
 pub use compressed::sparse_from_columns;
 pub use dense::{DenseLu, add_product};
+pub use digits::Digits;
 pub use eigenvalues::eigenvalues;
 pub use error::LinalgError;
 pub use exponential::matrix_exponential;
 pub use faer::Mat;
-pub use modes::{Modes, Pencil, lowest_modes};
+pub use modes::{CommonMotions, Modes, Openness, Pencil, lowest_modes};
 pub use sparse::{
     SparseMatrix, Triplet, add_scaled, asymmetry, bilinear, max_norm, multiply, multiply_many, multiply_transposed,
     select, sparse_from_triplets, triplets,

@@ -1,17 +1,28 @@
-use crate::{LinalgError, Mat, SparseCholesky, SparseMatrix, add_scaled, asymmetry, max_norm, select, triplets};
+use crate::{
+    Digits, LinalgError, Mat, SparseCholesky, SparseMatrix, add_scaled, asymmetry, max_norm, select, triplets,
+};
 
 mod basis;
+mod common;
 mod full;
 mod lanczos;
+mod openness;
 mod operator;
 mod orthonormal;
 mod refine;
 
+pub use common::CommonMotions;
+pub use openness::Openness;
+
+use openness::Known;
 use operator::Operator;
 
 /// Up to this number of unknowns, and this number per requested mode, the pencil is solved as a dense one: Lanczos
 /// vectors would span half of the space.
 const DENSE: [usize; 2] = [20, 4];
+
+/// Modes that are looked at to find those that strain something.
+const FEW: usize = 8;
 
 /// Lowest solutions of `K φ = λ M φ`, ascending, with `φᵀ M φ = 1`.
 #[derive(Debug, Clone)]
@@ -92,6 +103,7 @@ pub struct Pencil<'a> {
     mass: &'a SparseMatrix,
     shift: f64,
     factor: SparseCholesky,
+    digits: Option<[Digits; 2]>,
 }
 
 impl<'a> Pencil<'a> {
@@ -102,6 +114,65 @@ impl<'a> Pencil<'a> {
     pub fn new(stiffness: &'a SparseMatrix, mass: &'a SparseMatrix) -> Result<Self, LinalgError> {
         check(stiffness, mass)?;
         Self::of_checked(stiffness, mass)
+    }
+
+    /// The same of matrices whose entries have only these digits, of `K` and of `M`.
+    ///
+    /// Where these leave open whether a motion strains anything, as of a structure that floats, it does not matter
+    /// whether `K` happens to be positive definite in its last digits: `K + sM` is factored, with the first λ that is
+    /// told from zero as `s`.
+    ///
+    /// # Errors
+    /// As [`Pencil::new`]; [`LinalgError::NeitherStiffnessNorMass`] if both matrices vanish in some motions.
+    pub fn known_to(
+        stiffness: &'a SparseMatrix,
+        mass: &'a SparseMatrix,
+        digits: [Digits; 2],
+    ) -> Result<Self, LinalgError> {
+        check(stiffness, mass)?;
+        let known = Known { stiffness, mass, digits };
+        let of = |shift, factor| Self { stiffness, mass, shift, factor, digits: Some(digits) };
+        let held = match SparseCholesky::factor(stiffness, "stiffness matrix") {
+            Ok(factor) => match common::nearly_singular(stiffness, factor, digits[0])? {
+                (false, factor) => return Ok(of(0.0, factor)),
+                (true, factor) => Some(factor),
+            },
+            Err(LinalgError::NotPositiveDefinite { .. }) => None,
+            Err(error) => return Err(error),
+        };
+        let mut floating = match Self::singular(stiffness, mass, Some(digits)) {
+            Ok(floating) => floating,
+            Err(error) => return Err(common::refuse(&known)?.unwrap_or(error)),
+        };
+        let sum = add_scaled(stiffness, floating.shift, mass)?;
+        let (suspect, factor) = common::nearly_singular(&sum, floating.factor, digits[0])?;
+        if suspect && let Some(error) = common::refuse(&known)? {
+            return Err(error);
+        }
+        floating.factor = factor;
+        match held {
+            Some(factor) if floating.openness_of_lowest()?.strainless == 0 => Ok(of(0.0, factor)),
+            _ => Ok(floating),
+        }
+    }
+
+    /// What the digits leave open of these modes; nothing where they are not known.
+    pub fn openness(&self, modes: &Modes) -> Openness {
+        let of = |digits| Known { stiffness: self.stiffness, mass: self.mass, digits }.openness(modes);
+        self.digits.map_or_else(Openness::default, of)
+    }
+
+    /// Of the lowest modes, and of one at least that strains something, where there is one.
+    fn openness_of_lowest(&self) -> Result<Openness, LinalgError> {
+        let mut count = FEW;
+        loop {
+            let modes = self.solve(count.min(self.mass.nrows()))?;
+            let found = self.openness(&modes);
+            if found.strainless < modes.eigenvalues.len() || modes.eigenvalues.len() < count {
+                return Ok(found);
+            }
+            count *= 2;
+        }
     }
 
     /// The lowest `count` modes, as from [`lowest_modes`].
@@ -138,14 +209,18 @@ impl<'a> Pencil<'a> {
 
     fn of_checked(stiffness: &'a SparseMatrix, mass: &'a SparseMatrix) -> Result<Self, LinalgError> {
         match SparseCholesky::factor(stiffness, "stiffness matrix") {
-            Ok(factor) => Ok(Self { stiffness, mass, shift: 0.0, factor }),
-            Err(LinalgError::NotPositiveDefinite { .. }) => Self::singular(stiffness, mass),
+            Ok(factor) => Ok(Self { stiffness, mass, shift: 0.0, factor, digits: None }),
+            Err(LinalgError::NotPositiveDefinite { .. }) => Self::singular(stiffness, mass, None),
             Err(error) => Err(error),
         }
     }
 
     /// Starts from a shift that only has to exceed rounding, and uses the first elastic λ as the final one.
-    fn singular(stiffness: &'a SparseMatrix, mass: &'a SparseMatrix) -> Result<Self, LinalgError> {
+    fn singular(
+        stiffness: &'a SparseMatrix,
+        mass: &'a SparseMatrix,
+        digits: Option<[Digits; 2]>,
+    ) -> Result<Self, LinalgError> {
         // Rayleigh quotients of unit vectors: λ_1 is not larger than any of them.
         let quotients = (0..mass.nrows()).filter_map(|i| {
             let quotient = diagonal(stiffness, i) / diagonal(mass, i);
@@ -153,21 +228,43 @@ impl<'a> Pencil<'a> {
         });
         let scale = quotients.fold(f64::INFINITY, f64::min);
         let scale = if scale.is_finite() { scale } else { 1.0 };
-        let mut rough = Self::shifted(stiffness, mass, 1e-6 * scale);
+        let shifted = |shift| Self::shifted(stiffness, mass, shift, digits);
+        let mut rough = shifted(1e-6 * scale);
         for size in [1e-4, 1e-2] {
-            rough = rough.or_else(|_| Self::shifted(stiffness, mass, size * scale));
+            rough = rough.or_else(|_| shifted(size * scale));
         }
         let rough = rough?;
-        let elastic = 1e-6 * rough.shift;
-        match rough.solve(8.min(mass.nrows()))?.eigenvalues.iter().find(|&&λ| λ > elastic) {
-            Some(&λ) => Self::shifted(stiffness, mass, λ).or(Ok(rough)),
+        match rough.first_elastic()? {
+            Some(λ) => shifted(λ).or(Ok(rough)),
             None => Ok(rough),
         }
     }
 
-    fn shifted(stiffness: &'a SparseMatrix, mass: &'a SparseMatrix, shift: f64) -> Result<Self, LinalgError> {
+    /// The first λ that is told from zero: by the digits, or as above the rounding of the shift.
+    fn first_elastic(&self) -> Result<Option<f64>, LinalgError> {
+        let (mut count, n) = (FEW, self.mass.nrows());
+        loop {
+            let modes = self.solve(count.min(n))?;
+            let first = match self.digits {
+                Some(_) => modes.eigenvalues.get(self.openness(&modes).strainless).copied().filter(|λ| *λ > 0.0),
+                None => modes.eigenvalues.iter().copied().find(|&λ| λ > 1e-6 * self.shift),
+            };
+            if first.is_some() || self.digits.is_none() || modes.eigenvalues.len() < count || count >= n {
+                return Ok(first);
+            }
+            count *= 2;
+        }
+    }
+
+    fn shifted(
+        stiffness: &'a SparseMatrix,
+        mass: &'a SparseMatrix,
+        shift: f64,
+        digits: Option<[Digits; 2]>,
+    ) -> Result<Self, LinalgError> {
         let sum = add_scaled(stiffness, shift, mass)?;
-        Ok(Self { stiffness, mass, shift, factor: SparseCholesky::factor(&sum, "shifted stiffness matrix")? })
+        let factor = SparseCholesky::factor(&sum, "shifted stiffness matrix")?;
+        Ok(Self { stiffness, mass, shift, factor, digits })
     }
 
     /// Lowest modes, M-orthonormal, of those degrees of freedom that have mass.

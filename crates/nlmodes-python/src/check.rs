@@ -2,7 +2,7 @@
 
 use nlmodes_run::{RunError, chain};
 use nlmodes_scene::AnyScene;
-use nlmodes_scene::assemble::structural_model;
+use nlmodes_scene::assemble::Assembly;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -37,8 +37,8 @@ pub fn linear_frequencies(py: Python<'_>, source: Source, overrides: Vec<String>
     let found = errors::computed(py, || -> Result<_, RunError> {
         let file = nlmodes_run::updating::updated(file)?;
         let failed = |text: String| -> RunError { file.error_at("structure", &text, "", &[]).into() };
-        let model = structural_model(&file.scene).map_err(|error| failed(chain(&error)))?;
-        nlmodes_run::linear::linear_frequencies(&file.scene, &model).map_err(|error| failed(chain(&error)))
+        let assembly = Assembly::of(&file.scene).map_err(|error| failed(chain(&error)))?;
+        nlmodes_run::linear::linear_frequencies(&file.scene, &assembly).map_err(|error| failed(chain(&error)))
     })?;
     let found = found.map_err(|error| errors::of_run(py, &error))?;
     dict.set_item("mass_kept", found.mass_kept)?;

@@ -29,7 +29,8 @@ pub enum ReductionError {
     },
     /// The compliance of a stop is negative.
     #[error(
-        "the stop of contact {contact} has the compliance {value:e} m/N; it is zero for a rigid stop and positive otherwise"
+        "the stop of contact {contact} has the compliance {value:e} m/N; it is zero for a rigid stop and positive \
+        otherwise"
     )]
     StopCompliance {
         /// Index of the contact.
@@ -55,9 +56,22 @@ pub enum ReductionError {
         /// Modes retained.
         retained: usize,
     },
+    /// Motions with neither stiffness nor mass, which a contact could press away without any force.
+    #[error(
+        "contact {contact} (counted from 0) feels hourglass motions: {motions} motions of the structure have neither \
+        stiffness nor mass, as elements with too few points of \
+         integration leave them (C3D20R, one across the thickness); expected two such elements across, or others"
+    )]
+    Hourglass {
+        /// Index of the contact.
+        contact: usize,
+        /// How many such motions there are.
+        motions: usize,
+    },
     /// A structure that has buckled.
     #[error(
-        "the stiffness is negative in mode {mode} (ω² = {omega_squared:.3e} rad²/s²): the structure has buckled, and does not vibrate about this state"
+        "the stiffness is negative in mode {mode} (ω² = {omega_squared:.3e} rad²/s²): the structure has buckled, and \
+        does not vibrate about this state"
     )]
     Unstable {
         /// The mode, from 1.
@@ -67,9 +81,12 @@ pub enum ReductionError {
     },
     /// A contact whose motion others determine.
     #[error(
-        "the motion of contact {contact} (counted from 0) follows from those of other contacts or from the {retained} retained modes: \
-         {left:.1e} of its flexibility is left; take it away, or retain fewer modes. A node has as many directions of contact as it may move in, of which stops that face each \
-         other exactly are one; and a structure with few unknowns has nothing left once all of its modes are retained"
+        "the motion of contact {contact} (counted from 0) follows from those of other contacts or from the \
+        {retained} retained modes: \
+         {left:.1e} of its flexibility is left; take it away, or retain fewer modes. A node has as many directions \
+         of contact as it may move in, of which stops that face each \
+         other exactly are one; and a structure with few unknowns has nothing left once all of its modes are \
+         retained, before a rigid stop: one with a stiffness needs nothing"
     )]
     DependentContact {
         /// Index of the contact.
@@ -84,7 +101,8 @@ pub enum ReductionError {
     Model(#[from] ModelError),
     /// A structure that floats is pressed at rest.
     #[error(
-        "the structure floats: where it rests under loads or between stops that it interferes with is not determined by its stiffness"
+        "the structure floats: where it rests under loads or between stops that it interferes with is not determined \
+        by its stiffness"
     )]
     FloatingRest,
     /// The contact problem of the structure at rest has no solution that stands.

@@ -1,4 +1,4 @@
-use nlmodes_linalg::{Modes, Pencil};
+use nlmodes_linalg::{Modes, Openness, Pencil};
 
 use crate::ReductionError;
 
@@ -24,9 +24,15 @@ pub enum ModeCount {
 const FIRST_GUESS: usize = 16;
 
 impl ModeCount {
-    /// The modes of the pencil that are retained.
-    pub(crate) fn select(self, pencil: &Pencil, dofs: usize) -> Result<Modes, ReductionError> {
-        let lowest = |count| pencil.lowest(count).map_err(ReductionError::during("open modes"));
+    /// The modes of the pencil that are retained, and what its digits leave open of them. Those that strain nothing as
+    /// far as these tell have λ = 0; with a count that is not said, as many others are there beside them.
+    pub(crate) fn select(self, pencil: &Pencil, dofs: usize) -> Result<(Modes, Openness), ReductionError> {
+        let lowest = |count| {
+            let mut modes = pencil.lowest(count).map_err(ReductionError::during("open modes"))?;
+            let openness = pencil.openness(&modes);
+            modes.eigenvalues[..openness.strainless].fill(0.0);
+            Ok((modes, openness))
+        };
         match self {
             Self::Lowest(count) => lowest(count),
             Self::UpTo(omega) if !(omega.is_finite() && omega > 0.0) => Err(ReductionError::FrequencyLimit { omega }),
@@ -46,19 +52,21 @@ impl ModeCount {
 
 /// The modes whose eigenvalues are not beyond a limit, which may depend on the lowest ones.
 fn up_to(
-    lowest: impl Fn(usize) -> Result<Modes, ReductionError>,
+    lowest: impl Fn(usize) -> Result<(Modes, Openness), ReductionError>,
     dofs: usize,
     guess: usize,
     least: usize,
     limit: impl Fn(&[f64]) -> f64,
-) -> Result<Modes, ReductionError> {
+) -> Result<(Modes, Openness), ReductionError> {
     let mut wanted = guess.min(dofs);
     loop {
-        let modes = lowest(wanted)?;
+        let (modes, openness) = lowest(wanted)?;
         let (found, limit) = (modes.eigenvalues.len(), limit(&modes.eigenvalues));
         let below = modes.eigenvalues.iter().take_while(|λ| **λ <= limit).count();
-        if below < found || found < wanted || wanted == dofs {
-            return Ok(first(modes, below.max(least)));
+        let kept = below.max(least).max(2 * openness.strainless);
+        if (below < found && kept <= found) || found < wanted || wanted == dofs {
+            let kept = kept.min(found);
+            return Ok((first(modes, kept), openness.of_lowest(kept)));
         }
         wanted = (2 * wanted).min(dofs);
     }
@@ -66,7 +74,6 @@ fn up_to(
 
 /// The first `count` of the modes.
 fn first(mut modes: Modes, count: usize) -> Modes {
-    let count = count.min(modes.eigenvalues.len());
     modes.eigenvalues.truncate(count);
     modes.vectors = modes.vectors.subcols(0, count).to_owned();
     modes

@@ -1,7 +1,9 @@
+use std::cell::OnceCell;
 use std::sync::Arc;
 
 use nlmodes_linalg::{
-    Mat, Modes, Pencil, SparseMatrix, multiply_transposed, sparse_from_triplets, symmetric_eigen, triplets,
+    CommonMotions, Digits, LinalgError, Mat, Modes, Openness, Pencil, SparseMatrix, multiply_transposed,
+    sparse_from_triplets, symmetric_eigen, triplets,
 };
 use nlmodes_model::{Contact, MasslessContactModel, StructuralModel};
 
@@ -35,6 +37,8 @@ pub struct OpenModes {
     pub(crate) residual: Residual,
     /// `K⁻¹ W − Φ Ω⁻² Yᵀ` (n × c), of structures so small that keeping it costs nothing.
     pub(crate) residual_shapes: Option<Mat<f64>>,
+    openness: Openness,
+    hourglass_motions: usize,
     gaps: Vec<f64>,
     stop_compliance: Vec<f64>,
 }
@@ -58,13 +62,39 @@ impl OpenModes {
         stop_compliance: Vec<f64>,
         modes: ModeCount,
     ) -> Result<Self, ReductionError> {
+        Self::known_to(mass, stiffness, directions, gaps, stop_compliance, modes, None)
+    }
+
+    /// The same of matrices of which only these digits are known, of `M` and of `K`: what they leave open of the modes
+    /// is in [`OpenModes::openness`], and motions that strain nothing as far as they tell have `ω² = 0`.
+    ///
+    /// # Errors
+    /// As [`OpenModes::new`]; [`ReductionError::Hourglass`] if a contact feels a motion that has neither stiffness nor
+    /// mass. Those that none feels are left out.
+    pub fn known_to(
+        mass: impl Into<Arc<SparseMatrix>>,
+        stiffness: impl Into<Arc<SparseMatrix>>,
+        directions: SparseMatrix,
+        gaps: Vec<f64>,
+        stop_compliance: Vec<f64>,
+        modes: ModeCount,
+        digits: Option<[Digits; 2]>,
+    ) -> Result<Self, ReductionError> {
         let (mass, stiffness) = (mass.into(), stiffness.into());
         check(&stiffness, &directions, &gaps, &stop_compliance)?;
-        let pencil =
-            Pencil::new(&stiffness, &mass).map_err(ReductionError::during("factorisation of the open structure"))?;
-        let mut retained = modes.select(&pencil, stiffness.nrows())?;
+        let (held, mut common) = (OnceCell::new(), None);
+        let mut pencil = pencil(&stiffness, &mass, digits);
+        if let (Some(digits), Err(LinalgError::NeitherStiffnessNorMass { .. })) = (digits, &pencil) {
+            let found = unfelt_motions(&stiffness, &mass, &directions, digits)?;
+            let without = found.held(&stiffness).map_err(factorisation())?;
+            pencil = self::pencil(held.get_or_init(|| without), &mass, Some(digits));
+            common = Some(found);
+        }
+        let pencil = pencil.map_err(factorisation())?;
+        let (mut retained, openness) = modes.select(&pencil, stiffness.nrows())?;
         let shift = pencil.shift();
-        refuse_unstable(&retained, &stiffness, shift)?;
+        refuse_unstable(&retained, &stiffness, shift, openness.strainless)?;
+        common.iter().for_each(|common| common.take_out_of(&mut retained.vectors));
         separate_repeated(&mut retained, &directions, shift)?;
         match retained.eigenvalues.last() {
             None => return Err(ReductionError::NoMode { wanted: wanted(modes) }),
@@ -80,6 +110,8 @@ impl OpenModes {
             omega_squared: retained.eigenvalues,
             shapes: retained.vectors,
             residual_shapes: None,
+            openness,
+            hourglass_motions: common.map_or(0, |common| common.len()),
             directions,
             residual,
             gaps,
@@ -178,6 +210,7 @@ impl OpenModes {
             }
         }
         fewer.omega_squared.truncate(count);
+        fewer.openness = self.openness.of_lowest(count);
         fewer.shapes = self.shapes.subcols(0, count).to_owned();
         fewer.contact_rows = self.contact_rows.subcols(0, count).to_owned();
         Ok(fewer)
@@ -196,6 +229,16 @@ impl OpenModes {
     /// Number of retained modes m.
     pub fn n_modes(&self) -> usize {
         self.omega_squared.len()
+    }
+
+    /// What the digits of the matrices leave open of the retained modes; nothing where they are not known.
+    pub fn openness(&self) -> &Openness {
+        &self.openness
+    }
+
+    /// Motions with neither stiffness nor mass that were left out, since no contact feels them.
+    pub fn hourglass_motions(&self) -> usize {
+        self.hourglass_motions
     }
 
     /// Number of contacts c.
@@ -244,14 +287,45 @@ impl OpenModes {
     }
 }
 
+fn factorisation() -> impl FnOnce(LinalgError) -> ReductionError {
+    ReductionError::during("factorisation of the open structure")
+}
+
+fn pencil<'a>(
+    stiffness: &'a SparseMatrix,
+    mass: &'a SparseMatrix,
+    digits: Option<[Digits; 2]>,
+) -> Result<Pencil<'a>, LinalgError> {
+    digits.map_or_else(|| Pencil::new(stiffness, mass), |digits| Pencil::known_to(stiffness, mass, digits))
+}
+
+/// Motions with neither stiffness nor mass, which no contact may feel.
+fn unfelt_motions(
+    stiffness: &SparseMatrix,
+    mass: &SparseMatrix,
+    directions: &SparseMatrix,
+    digits: [Digits; 2],
+) -> Result<CommonMotions, ReductionError> {
+    let found = CommonMotions::of(stiffness, mass, digits).map_err(factorisation())?;
+    match found.felt_by(directions) {
+        Some(contact) => Err(ReductionError::Hourglass { contact, motions: found.len() }),
+        None => Ok(found),
+    }
+}
+
 /// A motion that strains nothing has energies that cancel each other to this share: entries of a file have ten digits
 /// at least.
 const CANCELLED: f64 = 1e-9;
 
 /// The eigenvalues are never negative, but `φᵀ K φ` is where a preload takes more stiffness than there is.
-fn refuse_unstable(modes: &Modes, stiffness: &SparseMatrix, shift: f64) -> Result<(), ReductionError> {
+fn refuse_unstable(
+    modes: &Modes,
+    stiffness: &SparseMatrix,
+    shift: f64,
+    strainless: usize,
+) -> Result<(), ReductionError> {
     let suspects = modes.eigenvalues.iter().take_while(|value| shift > 0.0 && **value <= 1e-6 * shift).count();
-    for mode in 0..suspects {
+    for mode in strainless..suspects {
         let shape = modes.vectors.col(mode);
         let products = || triplets(stiffness).map(|(i, j, k)| shape[i] * k * shape[j]);
         let (energy, size) = (products().sum::<f64>(), products().map(f64::abs).sum::<f64>());

@@ -44,12 +44,14 @@ impl ReducedStructure {
         }
         let (first, direction_of) = directions(open);
         let d = first.len();
-        let a = Mat::from_fn(d, d, |i, j| open.flexibility()[(first[i], first[j])]);
+        let lent = lent(open, &direction_of, d);
+        let a =
+            Mat::from_fn(d, d, |i, j| open.flexibility()[(first[i], first[j])] + if i == j { lent[i] } else { 0.0 });
         refuse_dependent(open, &first, &a)?;
         let stiffness = inverse(&a)?;
         let rows = Mat::from_fn(d, m, |i, r| open.contact_rows()[(first[i], r)]);
         let pressed = &stiffness * &rows;
-        let entries = entries(open.omega_squared(), &rows, &pressed, &stiffness);
+        let entries = entries(&squares(open, &rows), &rows, &pressed, &stiffness);
         let failed = ReductionError::during("the reduced structure");
         let k = sparse_from_triplets(m + d, m + d, &entries).map_err(failed)?;
         let units: Vec<Triplet> = (0..m).map(|r| (r, r, 1.0)).collect();
@@ -57,7 +59,7 @@ impl ReducedStructure {
         let mass = sparse_from_triplets(m + d, m + d, &units).map_err(failed)?;
         let modal = (0..m).map(|r| Dof { node: r, position: 0.0, kind: DofKind::Modal });
         let touching = first.iter().map(|&i| Dof { node: places[i].0, position: places[i].1, kind: DofKind::Contact });
-        let contacts = (0..c).map(|i| stop(open, i, m, direction_of[i])).collect();
+        let contacts = (0..c).map(|i| stop(open, (i, lent[direction_of[i].0]), m, direction_of[i])).collect();
         let model = StructuralModel::new(mass, k, modal.chain(touching).collect(), contacts)?;
         Ok(Self { model, direction_of, stiffness, rows })
     }
@@ -82,6 +84,22 @@ impl ReducedStructure {
     }
 }
 
+/// Square, over that of the first elastic mode, of the frequency that an unfelt motion gets.
+const GAUGE: f64 = 1e-6;
+/// Motion of the contacts over the largest one up to which it is not felt.
+const UNFELT: f64 = 1e-6;
+
+/// `Ω²`. Motions of a structure from files that strain nothing and move no contact are never pushed by one: a small
+/// frequency, far below all others, leaves them at rest and their mean no longer open.
+fn squares(open: &OpenModes, rows: &Mat<f64>) -> Vec<f64> {
+    let (mut squares, strainless) = (open.omega_squared().to_vec(), open.openness().strainless);
+    let Some(&elastic) = squares.get(strainless) else { return squares };
+    let largest = |r: usize| (0..rows.nrows()).map(|i| rows[(i, r)].abs()).fold(0.0, f64::max);
+    let most = (0..squares.len()).map(largest).fold(0.0, f64::max);
+    (0..strainless).filter(|&r| largest(r) <= UNFELT * most).for_each(|r| squares[r] = GAUGE * elastic);
+    squares
+}
+
 fn entries(omega_squared: &[f64], rows: &Mat<f64>, pressed: &Mat<f64>, stiffness: &Mat<f64>) -> Vec<Triplet> {
     let (d, m) = (rows.nrows(), rows.ncols());
     let modal = rows.transpose() * pressed;
@@ -100,13 +118,30 @@ fn entries(omega_squared: &[f64], rows: &Mat<f64>, pressed: &Mat<f64>, stiffness
 }
 
 /// `u` grows toward the stop of the first contact of a direction: `g = g₀ − u`, and `g₀ + u` from the other side.
-fn stop(open: &OpenModes, i: usize, m: usize, (direction, sign): (usize, f64)) -> Contact {
+fn stop(open: &OpenModes, (i, lent): (usize, f64), m: usize, (direction, sign): (usize, f64)) -> Contact {
     let side = if sign > 0.0 { Side::Positive } else { Side::Negative };
     let contact = Contact::stop(m + direction, side, open.gaps()[i]);
     match open.stop_compliance()[i] {
         0.0 => contact,
-        compliance => contact.on_spring(1.0 / compliance),
+        compliance => contact.on_spring(1.0 / (compliance - lent)),
     }
+}
+
+/// Share of the compliance of an elastic stop that its contact node takes where the structure leaves it none.
+const LENT: f64 = 1e-2;
+
+/// What elastic stops lend to the flexibility of each direction, m/N: `0 ≤ λ ⊥ g₀ + Y η + (A + C) λ ≥ 0` asks for the
+/// sum of both alone, so that masses which pound each other through springs need no flexibility of their own.
+fn lent(open: &OpenModes, direction_of: &[(usize, f64)], directions: usize) -> Vec<f64> {
+    let least = |d: usize| {
+        let own = direction_of.iter().zip(open.stop_compliance()).filter(|((direction, _), _)| *direction == d);
+        own.map(|(_, compliance)| *compliance).fold(f64::INFINITY, f64::min)
+    };
+    let is_short = |d: usize| {
+        let of = |i: &usize| direction_of[*i].0 == d;
+        (0..direction_of.len()).filter(of).any(|i| open.flexibility()[(i, i)] <= LENT * LENT * LENT * least(d))
+    };
+    (0..directions).map(|d| if is_short(d) { LENT * least(d) } else { 0.0 }).collect()
 }
 
 /// The first contact of each direction, and of each contact its direction and sign.
@@ -147,7 +182,8 @@ fn refuse_dependent(open: &OpenModes, first: &[usize], a: &Mat<f64>) -> Result<(
     for k in 0..n {
         let elastic = open.omega_squared().iter().enumerate().filter(|(_, w)| **w > 1e-6 * open.residual.shift);
         let modal: f64 = elastic.map(|(r, w)| open.contact_rows()[(first[k], r)].powi(2) / w).sum();
-        let whole = a[(k, k)] + modal;
+        // Of an elastic stop, what it yields itself is enough.
+        let whole = a[(k, k)] + if open.stop_compliance()[first[k]] > 0.0 { 0.0 } else { modal };
         if l[(k, k)].is_nan() || l[(k, k)] <= RIGID * whole {
             let (contact, left) = (first[k], l[(k, k)] / whole);
             return Err(ReductionError::DependentContact { contact, left, retained: open.n_modes() });

@@ -119,6 +119,7 @@ fn one_branch(
     let Models { model, massless, open } = models_sharing(file, structures)?;
     observer.event(Event::Begun(scene));
     doubts::tell(scene, open.as_ref(), observer);
+    refusal::unless_branch(file, open.as_ref())?;
     let modes = mass::open_modes(file, &model, &massless)
         .map_err(|error| refusal::unless_floating(file, open.as_ref(), error))?;
     if let Some(text) = mass::warning(scene, &modes) {
@@ -148,7 +149,8 @@ fn one_branch(
     let certificate_time = began.elapsed().saturating_sub(points_time);
     let laid = tree.branches.first().map(|first| Overlaid::new(laid, first));
     let (written, linear, participation) = match whole(scene, &model, &massless, &modes, &tree) {
-        Ok((linear, participation)) => {
+        Ok((mut linear, participation)) => {
+            open.iter().for_each(|open| linear.mark(&open.strainless));
             let is_shown = scene.files.figures || scene.files.page;
             let period = if is_shown { Period::of(open.as_ref(), &tree) } else { Ok(None) };
             let found = period.as_ref().ok().and_then(Option::as_ref);
@@ -206,6 +208,7 @@ pub(crate) fn check(file: &SceneFile, observer: &mut dyn Observer) -> Result<Opt
     overlay::laid_over(file, &file.scene.overlays, observer)?;
     let Models { massless, open, .. } = models(file)?;
     doubts::tell(&file.scene, open.as_ref(), observer);
+    refusal::unless_branch(file, open.as_ref())?;
     let list = &file.scene.method.harmonics_list;
     // They differ in size only.
     let harmonics = list.iter().copied().max().unwrap_or(file.scene.method.harmonics);

@@ -9,7 +9,9 @@ use serde::Serialize;
 use crate::character::{characters, same_modes};
 use crate::mass;
 use crate::open_modes::{LISTED, OpenLinearModes};
-use nlmodes_scene::assemble::{StructureError, contact_model, element_model, redistribution};
+use nlmodes_scene::assemble::{
+    Assembly, Strainless, StructureError, Structures, contact_model, element_model, free_modes, redistribution,
+};
 use nlmodes_scene::number;
 use nlmodes_scene::scene::{MethodKind, Scene, Structure, StructureKind};
 
@@ -40,7 +42,8 @@ pub struct LinearFrequencies {
 ///
 /// # Errors
 /// [`StructureError`] if an eigenproblem cannot be solved.
-pub fn linear_frequencies(scene: &Scene, model: &StructuralModel) -> Result<LinearFrequencies, StructureError> {
+pub fn linear_frequencies(scene: &Scene, assembly: &Assembly) -> Result<LinearFrequencies, StructureError> {
+    let model = &assembly.model;
     if model.contacts().is_empty() {
         let modes = linear_modes(model.mass(), model.stiffness(), LISTED)?;
         return Ok(LinearFrequencies {
@@ -52,7 +55,39 @@ pub fn linear_frequencies(scene: &Scene, model: &StructuralModel) -> Result<Line
     }
     let massless = contact_model(scene, model)?;
     let open = OpenLinearModes::new(scene, model, &massless).map_err(|error| floating(scene, error))?;
-    frequencies(scene, model, &massless, &open)
+    let mut found = frequencies(scene, model, &massless, &open)?;
+    assembly.open.iter().for_each(|open| found.mark(&open.strainless));
+    Ok(found)
+}
+
+/// The lowest frequencies of a structure from files without its contacts, which may be such that they cannot be
+/// reduced; none of other structures.
+///
+/// # Errors
+/// [`StructureError`] if an eigenproblem cannot be solved.
+pub fn without_contacts(scene: &Scene) -> Result<Option<LinearFrequencies>, StructureError> {
+    let Some((modes, strainless)) = free_modes(scene, &Structures::default())? else { return Ok(None) };
+    let omega = modes.omega_squared().iter().map(|square| square.max(0.0).sqrt());
+    let omega: Vec<f64> = omega.take(LISTED + strainless.count()).collect();
+    let mass_kept: Vec<f64> = omega.iter().map(|omega| nlmodes::report::hertz(*omega)).collect();
+    let characters = vec![String::new(); mass_kept.len()];
+    let mut found = LinearFrequencies { mass_kept, characters, ..LinearFrequencies::default() };
+    found.mark(&strainless);
+    Ok(Some(found))
+}
+
+impl LinearFrequencies {
+    /// Gives the motions that strain nothing the frequency zero, and says what they are.
+    pub(crate) fn mark(&mut self, strainless: &Strainless) {
+        let names = std::iter::repeat_n("rigid body", strainless.rigid);
+        let names = names.chain(std::iter::repeat_n("mechanism", strainless.mechanisms));
+        for (k, name) in names.enumerate().take(self.mass_kept.len()) {
+            self.mass_kept[k] = 0.0;
+            if let Some(words) = self.characters.get_mut(k).filter(|words| !words.starts_with(name)) {
+                *words = if words.is_empty() { name.to_owned() } else { format!("{name}, {words}") };
+            }
+        }
+    }
 }
 
 /// The same where the modes with open contacts are known.

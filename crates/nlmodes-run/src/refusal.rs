@@ -6,9 +6,10 @@ use nlmodes::branches::BranchError;
 use nlmodes::hbm::HbmError;
 use nlmodes::model::ModelError;
 use nlmodes::timestep::TimestepError;
-use nlmodes_scene::assemble::OpenStructure;
-use nlmodes_scene::scene::{Direction, Scene, StructureKind};
-use nlmodes_scene::{SceneError, SceneFile};
+use nlmodes_scene::assemble::{OpenStructure, Strainless};
+use nlmodes_scene::doubts::contacts_balance;
+use nlmodes_scene::scene::{Direction, ResponseKind, Scene, StructureKind};
+use nlmodes_scene::{SceneError, SceneFile, number};
 
 use crate::{RunError, chain};
 
@@ -22,22 +23,88 @@ pub fn of_branch_in(file: &SceneFile, open: Option<&OpenStructure>, error: &Bran
 
 /// An error of statics, or that the contacts do not hold the structure, if they do not.
 pub fn unless_floating(file: &SceneFile, open: Option<&OpenStructure>, error: RunError) -> RunError {
-    match open.and_then(|open| open.modes.rigid_motions().ok()) {
-        Some((rigid, left)) if left > 0 => floating(file, rigid, left),
-        _ => error,
+    unless_held(file, open).err().unwrap_or(error)
+}
+
+/// A structure in open modes must be held by its contacts where nothing else does.
+///
+/// # Errors
+/// [`RunError`] that says which body floats and what to do.
+pub fn unless_held(file: &SceneFile, open: Option<&OpenStructure>) -> Result<(), RunError> {
+    match open.and_then(|open| Some((open, open.modes.rigid_motions().ok()?))) {
+        Some((open, (rigid, left))) if left > 0 => Err(floating(file, open, (rigid, left))),
+        _ => Ok(()),
     }
 }
 
-/// A structure that its contacts do not hold: the mean of contact forces could not be balanced.
-fn floating(file: &SceneFile, rigid: usize, left: usize) -> RunError {
-    let (modes, strain) = if rigid == 1 { ("mode", "strains") } else { ("modes", "strain") };
+/// A structure from files that responds to loads must be held: while its contacts are open nothing says where it is.
+///
+/// # Errors
+/// [`RunError`] that says which body floats and what to do.
+pub fn unless_supported(file: &SceneFile, open: Option<&OpenStructure>) -> Result<(), RunError> {
+    let strainless = open.map(|open| open.strainless.clone()).unwrap_or_default();
+    let conservative = file.scene.responses.iter().all(|response| response.kind == ResponseKind::Mode);
+    if conservative || strainless.count() == 0 {
+        return Ok(());
+    }
     let title = format!(
-        "the structure can move as a rigid body: {rigid} {modes} {strain} nothing, and holding all contacts leaves {left} of these motions"
+        "the structure floats{}: it has {}, and while its contacts are open nothing says where it is",
+        bodies(&strainless),
+        strainless.text()
+    );
+    Err(file.error_at("structure", &title, "", &[SUPPORT]).into())
+}
+
+/// Which bodies these are, in brackets.
+fn bodies(strainless: &Strainless) -> String {
+    let nodes: Vec<String> = strainless.floating.iter().map(u64::to_string).collect();
+    match nodes.len() {
+        0 => String::new(),
+        1 => format!(" (the body of node {})", nodes[0]),
+        _ => format!(" (the bodies of nodes {})", nodes.join(", ")),
+    }
+}
+
+/// A branch begins with a mode that strains something, and contacts that do not hold the structure balance each other.
+///
+/// # Errors
+/// [`RunError`] that says which motions of the structure strain nothing, and what to do.
+pub fn unless_branch(file: &SceneFile, open: Option<&OpenStructure>) -> Result<(), RunError> {
+    let (mode, Some(open)) = (file.scene.method.mode, open) else { return Ok(()) };
+    let count = open.strainless.count();
+    if count > 0 && mode > count && !contacts_balance(open, count) {
+        return unless_held(file, Some(open));
+    }
+    if mode > count {
+        return Ok(());
+    }
+    let title = format!("mode {mode} strains nothing: the structure has {}", open.strainless.text());
+    let first = open.modes.omega_squared().get(count).map(|square| nlmodes::report::hertz(square.sqrt()));
+    let expected = first.map_or_else(
+        || "expected a structure with an elastic mode".to_owned(),
+        |hz| format!("expected {} or more: that is the first elastic mode, {} Hz", count + 1, rounded(hz)),
+    );
+    Err(file.error_at("method.mode", &title, &expected, &[SUPPORT]).into())
+}
+
+/// To six digits.
+fn rounded(x: f64) -> String {
+    number(format!("{x:.5e}").parse().unwrap_or(x))
+}
+
+const SUPPORT: &str = "a support is missing: boundary conditions of the model before its matrices are written, or \
+nodes in `structure.fixed`";
+
+/// A structure that its contacts do not hold: the mean of contact forces could not be balanced.
+fn floating(file: &SceneFile, open: &OpenStructure, (rigid, left): (usize, usize)) -> RunError {
+    let (modes, strain) = if rigid == 1 { ("mode", "strains") } else { ("modes", "strain") };
+    let body = bodies(&open.strainless);
+    let title = format!(
+        "the structure can move as a rigid body{body}: {rigid} {modes} {strain} nothing, and holding all contacts \
+        leaves {left} of these motions"
     );
     let help = match file.scene.structure.matrices() {
-        Some(_) => {
-            "a support is missing: boundary conditions of the model before its matrices are written, or nodes in `structure.fixed`"
-        }
+        Some(_) => SUPPORT,
         None => "a support is missing: `start`, `end` or a `[[structure.spring]]`",
     };
     file.error_at("structure", &title, "", &[help]).into()
@@ -49,7 +116,8 @@ pub fn of_branch(file: &SceneFile, error: &BranchError) -> RunError {
         BranchError::Ended(_) => return RunError::Ended,
         BranchError::Hbm(HbmError::NoMassBehindContacts { .. }) => {
             let help = [
-                "more `structure.elements` leave nodes with mass beside the stops; `nlmodes-cli modes` shows what is left",
+                "more `structure.elements` leave nodes with mass beside the stops; `nlmodes-cli modes` shows what is \
+                left",
             ];
             return file.error_at("method.mass_redistribution", &chain(error), "", &help).into();
         }
@@ -89,7 +157,8 @@ pub fn of_branch(file: &SceneFile, error: &BranchError) -> RunError {
         BranchError::NoStartAtEnergy { .. } => "continuation.start_energy_ratio",
         BranchError::Contact(_) => "method.contact_solver",
         BranchError::Hbm(HbmError::Model(ModelError::HeldRigidBody { .. })) => {
-            let help = "supports, or springs in this direction (`[[structure.spring]]`), hold it; with `reduction.kind = \"open-modes\"` it may float";
+            let help = "supports, or springs in this direction (`[[structure.spring]]`), hold it; with \
+            `reduction.kind = \"open-modes\"` it may float";
             return file.error_at("structure", &chain(error), "", &[help]).into();
         }
         BranchError::Hbm(HbmError::Linalg { .. } | HbmError::Model(_)) => "structure",

@@ -6,6 +6,7 @@ mod parts;
 mod several;
 mod shared;
 mod steps;
+mod strainless;
 
 use std::f64::consts::TAU;
 
@@ -15,12 +16,13 @@ use nlmodes::model::{
     ModelError, Move, StructuralModel,
 };
 use nlmodes_io::{ContactError, ReadError, find_contacts};
-use nlmodes_linalg::LinalgError;
+use nlmodes_linalg::{Digits, LinalgError};
 use nlmodes_reduction::ReductionError;
 use thiserror::Error;
 
-pub use open::{OpenStructure, dofs};
+pub use open::{OpenStructure, dofs, free_modes};
 pub use shared::Structures;
+pub use strainless::Strainless;
 
 use crate::scene::{self, GroundSpring, MassPoint, MassRule, MethodKind, Scene, SceneStructure, StructureKind};
 
@@ -143,7 +145,8 @@ pub enum StructureError {
     Matrices(#[from] LinalgError),
     /// A preload has taken more stiffness than there is.
     #[error(
-        "the stiffness is negative in mode {mode} (ω² = {omega_squared:.3e} rad²/s²): the structure has buckled under the preload of its matrices, and does not vibrate \
+        "the stiffness is negative in mode {mode} (ω² = {omega_squared:.3e} rad²/s²): the structure has buckled \
+        under the preload of its matrices, and does not vibrate \
          about this state; expected matrices of a smaller preload"
     )]
     Buckled {
@@ -152,15 +155,29 @@ pub enum StructureError {
         /// `φᵀ K φ`, rad²/s².
         omega_squared: f64,
     },
+    /// A mode of which the digits of the files leave nothing.
+    #[error(
+        "the stiffness is known to {digits}, which leaves nothing of its lowest mode: it may be any up to \
+        {up_to_hz:.3} Hz; expected more digits (double precision, at best in \
+         binary), or the matrices of a coarser or reduced model"
+    )]
+    Digits {
+        /// Those of the stiffness.
+        digits: Digits,
+        /// The highest frequency that it may have, Hz.
+        up_to_hz: f64,
+    },
     /// Modes of a structure that nothing holds, beside contacts that are much stiffer.
     #[error(
-        "the structure can move as a rigid body: its modes are not found beside the stiffness at its contacts; a support is missing (boundary conditions of the model before \
+        "the structure can move as a rigid body: its modes are not found beside the stiffness at its contacts; a \
+        support is missing (boundary conditions of the model before \
          its matrices are written, or nodes in `structure.fixed`)"
     )]
     Floating,
     /// No shift makes the stiffness positive.
     #[error(
-        "the stiffness is far from that of a structure at rest: even with mass beside it, it is negative for some motion; expected matrices without a preload far beyond \
+        "the stiffness is far from that of a structure at rest: even with mass beside it, it is negative for some \
+        motion; expected matrices without a preload far beyond \
          buckling, and the stiffness where the stiffness is named"
     )]
     Negative,
@@ -190,7 +207,7 @@ impl StructureError {
             Self::Read { key, .. } => format!("structure.{key}"),
             Self::TooManyModes { .. } => "reduction.modes".into(),
             Self::Mass(_) => "structure.mass".into(),
-            Self::Buckled { .. } | Self::Negative => "structure.stiffness".into(),
+            Self::Buckled { .. } | Self::Negative | Self::Digits { .. } => "structure.stiffness".into(),
             Self::Imposed(_) => "structure.modes.frequencies_hz".into(),
             Self::Contact(error) => format!("contact.{}", error.contact),
             Self::Reduction(ReductionError::NoMode { .. } | ReductionError::OnlyRigidModes { .. }) => {

@@ -3,6 +3,7 @@
 
 mod amplitude;
 mod base;
+mod digits;
 mod distances;
 mod mesh;
 mod modes;
@@ -10,6 +11,7 @@ mod normals;
 mod scale;
 
 pub(crate) use base::unplaced_unknowns;
+pub use modes::contacts_balance;
 use nlmodes_io::{ContactChoice, FeModel, NodeContact, Skin};
 
 use crate::assemble::OpenStructure;
@@ -27,7 +29,7 @@ pub fn of(scene: &Scene, open: &OpenStructure) -> Vec<String> {
     let distances = if scale.is_some() { Vec::new() } else { distances::doubts(&subject) };
     let mode = if scale.is_some() { None } else { amplitude::doubt(scene, open, &subject) };
     let contacts = normals::doubts(&subject).into_iter().chain(distances);
-    let modes = mode.into_iter().chain(modes::doubts(scene, open));
+    let modes = mode.into_iter().chain(digits::doubt(scene, open, model)).chain(modes::doubts(scene, open));
     mesh.into_iter().chain(scale).chain(contacts).chain(modes).chain(base::doubt(scene, &subject)).collect()
 }
 

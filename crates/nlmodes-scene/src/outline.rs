@@ -9,6 +9,8 @@ mod test;
 
 use std::fmt;
 
+pub(crate) use matrices::percent;
+
 use crate::number;
 use crate::scene::{RecordScene, Scene, TestScene};
 

@@ -47,6 +47,7 @@ pub(super) fn read(files: &FeFiles) -> Result<FeModel> {
     model.rows = rows_of(&model.labels);
     model.mesh = mesh;
     hold(&mut model, files)?;
+    model.leave_out_ones();
     into_si(&mut model, files);
     check_diagonal(&model, files)?;
     check_exchanged(&model, files)?;
@@ -57,7 +58,8 @@ impl FeModel {
     fn new(stiffness: MatrixData, mass: LowerTriangle, labels: Vec<DofLabel>, places: HashMap<u64, [f64; 3]>) -> Self {
         let (stiffness, fixed) = (stiffness.lower, stiffness.fixed);
         let (fixed_mass, rows, within) = (Vec::new(), HashMap::new(), BTreeMap::new());
-        Self { stiffness, mass, labels, mesh: None, fixed, fixed_mass, places, rows, within }
+        let (digits, held_by_ones) = ([&stiffness, &mass].map(LowerTriangle::digits), Vec::new());
+        Self { stiffness, mass, labels, mesh: None, fixed, held_by_ones, digits, fixed_mass, places, rows, within }
     }
 
     /// Takes other unknowns, of which `motion` makes the present ones.
@@ -83,7 +85,7 @@ fn names_rows(format: Format) -> bool {
     matches!(format, Format::Abaqus | Format::Dmig)
 }
 
-fn rows_of(labels: &[DofLabel]) -> HashMap<DofLabel, usize> {
+pub(super) fn rows_of(labels: &[DofLabel]) -> HashMap<DofLabel, usize> {
     labels.iter().enumerate().map(|(row, label)| (*label, row)).collect()
 }
 

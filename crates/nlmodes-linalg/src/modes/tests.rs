@@ -253,3 +253,115 @@ fn modes_are_the_same_to_the_last_bit_with_any_number_of_threads() {
         assert!(together.vectors == alone.vectors);
     }
 }
+
+/// Digits of a text: what is read is not what was computed.
+fn cut(a: &SparseMatrix, digits: usize) -> SparseMatrix {
+    let entries: Vec<_> =
+        triplets(a).map(|(i, j, v)| (i, j, format!("{v:.*e}", digits - 1).parse().unwrap())).collect();
+    sparse_from_triplets(a.nrows(), a.ncols(), &entries).unwrap()
+}
+
+/// A bar of `n` uneven elements with density and modulus one, lumped; free, or held at its first node.
+fn bar(n: usize, unit: f64, held: bool) -> (SparseMatrix, SparseMatrix) {
+    let length = |e: usize| 1.0 + 0.3 * ((e * 37 % 11) as f64 / 11.0 - 0.5) * std::f64::consts::FRAC_1_SQRT_2;
+    let (mut k, mut m) = (Vec::new(), Vec::new());
+    for e in 0..n {
+        let stiffness = unit / length(e);
+        k.extend([(e, e, stiffness), (e + 1, e + 1, stiffness), (e, e + 1, -stiffness), (e + 1, e, -stiffness)]);
+        m.extend([(e, e, 0.5 * length(e)), (e + 1, e + 1, 0.5 * length(e))]);
+    }
+    let k = sparse_from_triplets(n + 1, n + 1, &k).unwrap();
+    let m = sparse_from_triplets(n + 1, n + 1, &m).unwrap();
+    let free: Vec<usize> = (usize::from(held)..=n).collect();
+    (select(&k, &free, &free).unwrap(), select(&m, &free, &free).unwrap())
+}
+
+#[test]
+fn a_motion_that_strains_nothing_is_found_whatever_the_last_digits_are() {
+    for digits in [6, 8, 10, 14] {
+        for unit in [1.0, 2.1e11, 7e-3] {
+            for n in [12, 45, 200] {
+                let (k, m) = bar(n, unit, false);
+                let (k, m) = (cut(&k, digits), cut(&m, digits));
+                let known = [Digits::Decimal(digits as u32); 2];
+                let pencil = Pencil::known_to(&k, &m, known).unwrap();
+                let modes = pencil.lowest(6).unwrap();
+                assert_eq!(pencil.openness(&modes).strainless, 1, "{digits} digits, {unit}, {n}");
+                assert!(pencil.shift() > 0.0);
+                let (exact_k, exact_m) = bar(n, unit, false);
+                let exact = lowest_modes(&exact_k, &exact_m, 6).unwrap();
+                let open = pencil.openness(&modes).deviations;
+                for r in 1..6 {
+                    let off = (modes.eigenvalues[r] - exact.eigenvalues[r]).abs();
+                    assert!(
+                        off < 5.0 * open[r] + 1e-9 * exact.eigenvalues[r],
+                        "{digits}, {unit}, {n}: {off:e} {:e}",
+                        open[r]
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn what_the_digits_leave_open_is_what_they_change() {
+    // Ten digits of ten random units: the mean square of the change is that which is predicted.
+    for digits in [5, 7] {
+        let (mut squares, mut count) = (0.0, 0);
+        for unit in (1..40).map(|u| 1.0 + 0.173 * u as f64) {
+            let (k, m) = bar(60, unit, true);
+            let known = [Digits::Decimal(digits), Digits::DOUBLE];
+            let rough = cut(&k, digits as usize);
+            let pencil = Pencil::known_to(&rough, &m, known).unwrap();
+            assert_eq!(pencil.shift(), 0.0);
+            let (found, exact) = (pencil.lowest(3).unwrap(), lowest_modes(&k, &m, 3).unwrap());
+            let open = pencil.openness(&found);
+            assert_eq!(open.strainless, 0);
+            squares += (0..3)
+                .map(|r| ((found.eigenvalues[r] - exact.eigenvalues[r]) / open.deviations[r]).powi(2))
+                .sum::<f64>();
+            count += 3;
+        }
+        let mean = squares / f64::from(count);
+        assert!((0.5..2.0).contains(&mean), "{digits}: {mean}");
+    }
+}
+
+/// Masses in pairs on one spring to their neighbours: what moves the two of the first pair against each other has
+/// neither stiffness nor mass.
+#[test]
+fn motions_with_neither_stiffness_nor_mass_are_found_and_held() {
+    for (unit, weight) in [(1.0, 1.0), (2.1e11, 7.8e3), (3e-3, 1e-9)] {
+        let (inner_k, inner_m) = bar(30, unit, true);
+        // Rows 0 and 1 of the wide pencil are a third and two thirds of the first of the narrow one.
+        let n = inner_k.nrows();
+        let part = |i: usize| if i == 0 { vec![(0, 0.3), (1, 0.7)] } else { vec![(i + 1, 1.0)] };
+        let wide = |a: &SparseMatrix, factor: f64| {
+            let entries: Vec<_> = triplets(a)
+                .flat_map(|(i, j, v)| {
+                    part(i)
+                        .into_iter()
+                        .flat_map(move |(p, a)| part(j).into_iter().map(move |(q, b)| (p, q, factor * v * a * b)))
+                })
+                .collect();
+            cut(&sparse_from_triplets(n + 1, n + 1, &entries).unwrap(), 14)
+        };
+        let (k, m) = (wide(&inner_k, 1.0), wide(&inner_m, weight));
+        let digits = [Digits::Decimal(14); 2];
+        let refused = Pencil::known_to(&k, &m, digits).map(|pencil| pencil.shift());
+        assert_eq!(refused, Err(LinalgError::NeitherStiffnessNorMass { motions: 1 }));
+        let common = CommonMotions::of(&k, &m, digits).unwrap();
+        assert_eq!(common.len(), 1);
+        assert!((common.shapes[(0, 0)] * 0.3 / (common.shapes[(1, 0)] * 0.7) + 1.0).abs() < 1e-6);
+        let held = common.held(&k).unwrap();
+        let found = Pencil::known_to(&held, &m, digits).unwrap().lowest(5).unwrap();
+        let exact = lowest_modes(&inner_k, &inner_m, 5).unwrap();
+        for r in 0..5 {
+            let off = found.eigenvalues[r] * weight / exact.eigenvalues[r] - 1.0;
+            assert!(off.abs() < 1e-9, "{unit:e} {r}: {off:e}");
+        }
+        let directions = sparse_from_triplets(n + 1, 3, &[(5, 0, 1.0), (0, 1, 0.3), (1, 1, 0.7), (0, 2, 1.0)]).unwrap();
+        assert_eq!(common.felt_by(&directions), Some(2));
+    }
+}

@@ -9,7 +9,7 @@ use nlmodes_scene::scene::{Place, Response, ResponseKind, Scene, Side};
 
 use super::damping::damping;
 use super::structure::{Reduced, base_motion, reduced};
-use crate::{RunError, chain};
+use crate::{RunError, chain, refusal};
 
 /// The structure of a scene with its damping and the load of level one.
 pub struct Model {
@@ -61,6 +61,7 @@ impl Model {
     pub fn sharing(file: &SceneFile, structures: &Structures) -> Result<Self, RunError> {
         let scene = &file.scene;
         let parts = reduced(file, structures)?;
+        refusal::unless_supported(file, parts.reduction.as_ref())?;
         let failed = |key: &str, error: &(dyn std::error::Error + 'static)| -> RunError {
             file.error_at(key, &chain(error), "here", &[]).into()
         };

@@ -7,13 +7,16 @@ use nlmodes::model::{Contact, Dof, DofKind, StructuralModel};
 use nlmodes_io::{Component, FeModel, NodeContact, find_contacts};
 use nlmodes_reduction::{ModeCount, OpenModes, ReducedStructure, ReductionError};
 
-use super::{StructureError, Structures};
+use super::{Strainless, StructureError, Structures};
 use crate::scene::{Matrices, ReductionKind, Scene, SceneStructure};
 
 /// Open modes reach so many times as far as the highest harmonic, where the scene does not say how far.
 const BEYOND_HARMONICS: f64 = 4.0;
 /// And they are so many at least, where the structure has them.
 const FEWEST: usize = 12;
+
+/// Deviations within which a mode that is not told from zero lies.
+const MOST_DEVIATIONS: f64 = 5.0;
 
 /// A structure in open modes, and what its rows and contacts are called.
 #[derive(Debug)]
@@ -28,6 +31,8 @@ pub struct OpenStructure {
     pub contacts: Vec<(usize, f64)>,
     /// The model and the contacts of its nodes, of a structure from files.
     pub files: Option<(Arc<FeModel>, Vec<NodeContact>)>,
+    /// Motions of a structure from files that strain nothing.
+    pub strainless: Strainless,
 }
 
 impl OpenStructure {
@@ -52,23 +57,39 @@ impl OpenStructure {
         let contacts: Vec<(usize, f64)> = model.contacts().iter().map(place).collect();
         let modes = OpenModes::of_model(model, count(scene, model.dofs().len())?)?;
         let (modes, reduced) = pressed(scene, modes, &contacts)?;
-        Ok(Self { modes, reduced, dofs: model.dofs().to_vec(), contacts, files: None })
+        Ok(Self {
+            modes,
+            reduced,
+            dofs: model.dofs().to_vec(),
+            contacts,
+            files: None,
+            strainless: Strainless::default(),
+        })
     }
 
     fn of_files(scene: &Scene, matrices: &Matrices, structures: &Structures) -> Result<Self, StructureError> {
         let model = structures.model(&matrices.files)?;
         let found = find_contacts(&model, &matrices.files, &matrices.contacts)?;
         let modes = structures.modes(&matrices.files, &model, &found, count(scene, model.n_dofs())?)?;
+        let strainless = strainless(&model, &modes)?;
         let at = |node: u64| model.place_of(node).map_or(0.0, |place| place[0]);
         let contacts: Vec<(usize, f64)> = found.iter().map(|c| (c.node as usize, at(c.node))).collect();
         let (modes, reduced) = pressed(scene, modes, &contacts)?;
         let dofs = dofs(&model);
-        Ok(Self { modes, reduced, dofs, contacts, files: Some((model, found)) })
+        Ok(Self { modes, reduced, dofs, contacts, files: Some((model, found)), strainless })
     }
 
     /// Largest frequency of the retained modes, Hz.
     pub fn highest_hz(&self) -> f64 {
         self.modes.omega_squared().last().map_or(0.0, |w| w.max(0.0).sqrt() / TAU)
+    }
+
+    /// Standard deviation that the digits of the files leave of the frequency of a mode (from 1), over it; none where
+    /// they are not known, or the mode strains nothing.
+    pub fn left_open(&self, mode: usize) -> Option<f64> {
+        let mode = mode.checked_sub(1)?;
+        let square = self.modes.omega_squared().get(mode).copied().filter(|square| *square > 0.0)?;
+        self.modes.openness().deviations.get(mode).map(|deviation| 0.5 * deviation / square)
     }
 
     /// Estimate of what the truncation does to the frequency of the scene's mode with its first contact closed, from
@@ -78,6 +99,27 @@ impl OpenStructure {
         *closed.get_mut(contact)? = true;
         self.modes.truncation_error(&closed, mode.checked_sub(1)?).ok().filter(|error| error.is_finite())
     }
+}
+
+/// Modes of a structure from files without its contacts: what is known of it where these cannot be reduced.
+///
+/// # Errors
+/// [`StructureError`]: files that cannot be read, modes that are not found.
+pub fn free_modes(scene: &Scene, structures: &Structures) -> Result<Option<(OpenModes, Strainless)>, StructureError> {
+    let SceneStructure::Matrices(matrices) = &scene.structure else { return Ok(None) };
+    let model = structures.model(&matrices.files)?;
+    let modes = structures.modes(&matrices.files, &model, &[], count(scene, model.n_dofs())?)?;
+    let strainless = strainless(&model, &modes)?;
+    Ok(Some((modes, strainless)))
+}
+
+/// Motions that strain nothing, if the digits of the files leave no mode open.
+fn strainless(model: &FeModel, modes: &OpenModes) -> Result<Strainless, StructureError> {
+    Strainless::of(model, modes).ok_or_else(|| {
+        let widest = modes.openness().deviations.iter().take(modes.openness().strainless);
+        let omega_squared = MOST_DEVIATIONS * widest.copied().fold(0.0, f64::max);
+        StructureError::Digits { digits: model.digits[0], up_to_hz: omega_squared.sqrt() / TAU }
+    })
 }
 
 /// The degrees of freedom of a model from files.

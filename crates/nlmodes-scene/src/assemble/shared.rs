@@ -67,14 +67,10 @@ impl Structures {
             let (mass, stiffness) = (model.mass.symmetric()?, model.stiffness.symmetric()?);
             check_mass(&mass, &super::dofs(model)).map_err(StructureError::Mass)?;
             let directions = model.contact_directions(contacts)?;
-            Ok::<_, StructureError>(OpenModes::new(
-                mass,
-                stiffness,
-                directions,
-                gaps.clone(),
-                compliance.clone(),
-                count,
-            )?)
+            let (gaps, compliance) = (gaps.clone(), compliance.clone());
+            let digits = Some(model.digits);
+            let modes = OpenModes::known_to(mass, stiffness, directions, gaps, compliance, count, digits)?;
+            Ok::<_, StructureError>(modes)
         };
         let directions = contacts.iter().map(|contact| (contact.node, contact.against, contact.normal)).collect();
         let key = OfModes { files: OfFiles::now(files), directions, count };

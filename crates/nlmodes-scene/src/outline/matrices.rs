@@ -16,6 +16,8 @@ use nlmodes_io::{ContactChoice, ContactNodes, FeModel, Mesh, NodeContact, Partne
 
 /// Frequencies that are said.
 const FIRST: usize = 6;
+/// Share of a frequency below which nobody asks what digits leave open of it.
+const NOTHING: f64 = 1e-6;
 /// Contacts that are said one by one.
 const LISTED: usize = 12;
 
@@ -25,6 +27,7 @@ pub fn rows(scene: &Scene, open: Option<&OpenStructure>) -> Vec<Row> {
     let Some((model, found)) = &open.files else { return Vec::new() };
     let mut lines = structure(matrices, model);
     lines.push(row("frequencies", frequencies(open)));
+    lines.extend(left_open(scene, open, model));
     lines.extend(contacts(matrices, model, found));
     let effort = Effort::of_reduction(model.n_dofs(), found.len(), open.modes.n_modes());
     lines.push(row("effort", format!("the reduction takes {}", effort.text())));
@@ -88,6 +91,10 @@ fn fixed(model: &FeModel) -> String {
         named.into_iter().filter(|index| !rows.contains(&mesh.numbers[*index as usize])).count()
     };
     let missing = model.mesh.as_ref().map(in_elements);
+    let ones = match model.held_by_ones.len() {
+        0 => String::new(),
+        n => format!(", {n} of them by ones on both diagonals"),
+    };
     match (model.fixed.len(), missing) {
         (0, Some(0)) => "each node of the mesh has rows, and `fixed` holds none".into(),
         (0, Some(n)) => format!(
@@ -95,8 +102,8 @@ fn fixed(model: &FeModel) -> String {
             counted(n, "node")
         ),
         (0, None) => "none by `fixed`; what the program eliminated before it wrote the files has no rows".into(),
-        (1, _) => "1 degree of freedom, by `fixed` or the files".into(),
-        (n, _) => format!("{n} degrees of freedom, by `fixed` or the files"),
+        (1, _) => format!("1 degree of freedom, by `fixed` or the files{ones}"),
+        (n, _) => format!("{n} degrees of freedom, by `fixed` or the files{ones}"),
     }
 }
 
@@ -104,23 +111,63 @@ fn free_mass(matrices: &Matrices, model: &FeModel) -> String {
     if let Some(silent) = unplaced_unknowns(&matrices.files, model) {
         let nodes = model.nodes().len();
         return format!(
-            "not known without a mesh: the rows of {silent} of {nodes} nodes do not answer a rigid displacement, as unknowns within elements (C3D8I)"
+            "not known without a mesh: the rows of {silent} of {nodes} nodes do not answer a rigid displacement, as \
+            unknowns within elements (C3D8I)"
         );
     }
     let [x, y, z] = model.mass_along_axes().map(|mass| number(rounded(mass)));
     format!("{x} kg along x, {y} kg along y, {z} kg along z")
 }
 
-/// The first frequencies; those at zero are rigid-body motions.
+/// The first frequencies, behind the motions that strain nothing.
 fn frequencies(open: &OpenStructure) -> String {
-    let squares = open.modes.omega_squared();
-    let hz: Vec<f64> = squares.iter().take(FIRST).map(|square| square.max(0.0).sqrt() / TAU).collect();
-    let list: Vec<String> = hz.iter().map(|hz| number(rounded(*hz))).collect();
-    let highest = open.highest_hz();
-    let rigid = hz.iter().filter(|hz| **hz < 1e-4 * highest).count();
-    let floating = format!("; the first {rigid} are rigid-body motions: nothing holds the structure there");
-    let floats = open.modes.floats() && rigid > 0;
-    format!("{} Hz, contacts open{}", list.join(", "), if floats { floating.as_str() } else { "" })
+    let (squares, count) = (open.modes.omega_squared(), open.strainless.count());
+    let hz = squares.iter().skip(count).take(FIRST).map(|square| square.max(0.0).sqrt() / TAU);
+    let list: Vec<String> = hz.map(|hz| number(rounded(hz))).collect();
+    let elastic = format!("{} Hz, contacts open", list.join(", "));
+    if count == 0 {
+        return elastic;
+    }
+    let nodes: Vec<String> = open.strainless.floating.iter().take(LISTED).map(u64::to_string).collect();
+    let bodies = match nodes.len() {
+        0 => String::new(),
+        1 => format!(" (the body of node {})", nodes[0]),
+        _ => format!(" (the bodies of nodes {})", nodes.join(", ")),
+    };
+    format!(
+        "{}, nothing holds the structure there{bodies}; from mode {} on {elastic}",
+        open.strainless.text(),
+        count + 1
+    )
+}
+
+/// What the digits of the files leave open of the mode that is computed, or of the first that strains something; and
+/// what has neither stiffness nor mass.
+fn left_open(scene: &Scene, open: &OpenStructure, model: &FeModel) -> Vec<Row> {
+    let mode = scene.method.mode.max(open.strainless.count() + 1);
+    let mut rows = Vec::new();
+    if let Some(share) = open.left_open(mode).filter(|share| *share > NOTHING) {
+        rows.push(row(
+            "digits",
+            format!(
+                "the stiffness is known to {}, which leaves mode {mode} open by ±{}",
+                model.digits[0],
+                percent(share)
+            ),
+        ));
+    }
+    let hourglass = open.modes.hourglass_motions();
+    if hourglass > 0 {
+        let text = format!("{hourglass} with neither stiffness nor mass are left out, since no contact feels them");
+        rows.push(row("hourglass motions", text));
+    }
+    rows
+}
+
+/// Two digits of a share, in percent.
+pub(crate) fn percent(share: f64) -> String {
+    let percent: f64 = format!("{:.1e}", 100.0 * share).parse().unwrap_or(100.0 * share);
+    format!("{} %", number(percent))
 }
 
 fn contacts(matrices: &Matrices, model: &FeModel, contacts: &[NodeContact]) -> Vec<Row> {
@@ -150,7 +197,8 @@ fn sets(matrices: &Matrices, model: &FeModel) -> Vec<Row> {
         let ContactNodes::Set(name) = name else { return None };
         let (all, without) = model.size_of_set(&name).filter(|(_, without)| *without > 0)?;
         let text = format!(
-            "contact {i}: {without} of {all} nodes of `{name}` have no rows, being fixed or dependent on others, and are left out"
+            "contact {i}: {without} of {all} nodes of `{name}` have no rows, being fixed or dependent on others, and \
+            are left out"
         );
         Some(row("", text))
     };

@@ -1,6 +1,7 @@
 //! All tests of `nlmodes-scene` beside those in its sources, as one binary: each would link all dependencies once more.
 
 mod files;
+mod free_bodies;
 mod hostile;
 mod parts;
 mod schemas;

@@ -138,7 +138,7 @@ fn sound_files_and_contacts_give_no_warning() -> Outcome {
         let (status, errors, outline) = checked(SI, &contact)?;
         assert_eq!((status, errors.as_str()), (Some(0), ""), "{contact}");
         assert!(
-            outline.contains("8 nodes of the mesh have no rows") && outline.contains("m-kg-s in the files"),
+            outline.contains("8 nodes of the mesh without rows") && outline.contains("m-kg-s in the files"),
             "{outline}"
         );
     }

@@ -118,9 +118,11 @@ fn a_missing_support_and_a_buckled_structure_are_named() -> Outcome {
     let (k, m) = free_rod(12);
     let rows: Vec<(usize, &str)> = along_x(0, 13).into_iter().chain((100..113).map(|node| (node, "uy"))).collect();
     let said = said_of((&beside(&k, &k), &beside(&m, &m)), &rows)?;
-    let says = "the structure can move as a rigid body: 2 modes strain nothing, and holding all contacts leaves 1 of \
-        these motions";
-    assert!(said.contains(says) && said.contains("a support is missing"), "{said}");
+    let says = [
+        "the structure can move as a rigid body (the bodies of nodes 0, 100)",
+        "holding all contacts leaves 1 of these",
+    ];
+    assert!(says.iter().chain(&["a support is missing"]).all(|says| said.contains(says)), "{said}");
     // K − σ M with σ above the square of the first frequency, (π/2)² EA/m.
     let (mut k, m) = rod(12);
     let sigma = 1.2 * (std::f64::consts::FRAC_PI_2).powi(2) * 2.1e7 / 0.78;
@@ -130,5 +132,36 @@ fn a_missing_support_and_a_buckled_structure_are_named() -> Outcome {
         said.contains("the stiffness is negative in mode 1") && said.contains("buckled under the preload"),
         "{said}"
     );
+    Ok(())
+}
+
+/// A rod that floats between stops: its first mode is none to begin with, and a load does not say where it is.
+#[test]
+fn a_floating_structure_is_named_by_check_before_a_branch_and_before_a_response() -> Outcome {
+    let (k, m) = free_rod(12);
+    let folder = tempdir()?;
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("k.mtx"), matrix_market(&k))?;
+    fs::write(at("m.mtx"), matrix_market(&m))?;
+    let rows: Vec<String> = (0..13).map(|i| format!("{},{},ux", i + 1, i + 1)).collect();
+    fs::write(at("dofs.csv"), rows.join("\n"))?;
+    let files = "[structure]\nkind = \"matrices\"\nstiffness = \"k.mtx\"\nmass = \"m.mtx\"\ndofs = \"dofs.csv\"\n";
+    let stop = |x: f64| format!("[[contact]]\nnode = 13\nnormal = [{x:?}, 0.0, 0.0]\ngap_m = 1e-4\n");
+    let said = |rest: &str| -> Outcome<(Option<i32>, String)> {
+        fs::write(at("scene.toml"), format!("{files}{}{}{rest}", stop(1.0), stop(-1.0)))?;
+        let output = call(&["check", &at("scene.toml").to_string_lossy()])?;
+        Ok((output.status.code(), text(&output.stderr) + &text(&output.stdout)))
+    };
+    let branch = |mode: usize| format!("{METHOD}mode = {mode}\n[continuation]\nmax_energy_ratio = 3.0\n");
+    let (code, rigid) = said(&branch(1))?;
+    let says = "mode 1 strains nothing: the structure has one rigid-body motion";
+    assert!(code == Some(2) && rigid.contains(says) && rigid.contains("expected 2 or more"), "{rigid}");
+    let (code, elastic) = said(&branch(2))?;
+    assert!(code == Some(0) && elastic.contains("one rigid-body motion"), "{elastic}");
+    let load = "[[force]]\nnode = 1\ndirection = [1.0, 0.0, 0.0]\namplitude_n = 2.0\n[damping]\nratio = 0.02\n\
+                [[response]]\nkind = \"frequency\"\nfrequency_hz = [100.0, 200.0]\n";
+    let (code, response) = said(&format!("{METHOD}{load}"))?;
+    let says = "the structure floats (the body of node 1): it has one rigid-body motion";
+    assert!(code == Some(2) && response.contains(says) && response.contains("a support is missing"), "{response}");
     Ok(())
 }
