@@ -23,8 +23,9 @@ pub fn extract(
     records: Vec<(String, Vec<(String, PyReadonlyArray1<'_, f64>)>)>,
 ) -> PyResult<(Vec<u8>, Vec<Told>, Vec<String>)> {
     let file = parse_records("scene of records", scene, &[]).map_err(|refused| errors::refused(py, &refused))?;
-    let column =
-        |(name, values): (String, PyReadonlyArray1<'_, f64>)| Column::new(name, values.as_array().iter().copied().collect());
+    let column = |(name, values): (String, PyReadonlyArray1<'_, f64>)| {
+        Column::new(name, values.as_array().iter().copied().collect())
+    };
     let table = |(name, channels): (String, Vec<_>)| {
         (name, RecordTable { columns: channels.into_iter().map(column).collect(), named: true })
     };

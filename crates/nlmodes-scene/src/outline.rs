@@ -9,8 +9,6 @@ mod test;
 
 use std::fmt;
 
-pub(crate) use matrices::percent;
-
 use crate::number;
 use crate::scene::{RecordScene, Scene, TestScene};
 

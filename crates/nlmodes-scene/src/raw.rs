@@ -13,7 +13,7 @@ mod structure;
 mod virtual_test;
 
 pub use matrices::{NameOrNumbers, NumberOrName, RawMatrices, RawMatrixScene, RawNodeContact, RawNormal};
-pub use method::{DEFAULT_MAX_HARMONICS, MAX_HARMONICS, RawMethod};
+pub use method::{DEFAULT_MAX_HARMONICS, RawMethod};
 pub use parts::{RawSegment, RawSpring};
 pub use records::{RawChannel, RawExtraction, RawLinearModes, RawPbmifHarmonics, RawRecordScene, RawStop};
 pub use response::{

@@ -250,6 +250,12 @@ pub fn number(x: f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
+/// Two digits of a share, in percent.
+pub(crate) fn percent(share: f64) -> String {
+    let percent: f64 = format!("{:.1e}", 100.0 * share).parse().unwrap_or(100.0 * share);
+    format!("{} %", number(percent))
+}
+
 /// `1 node`, `2 nodes`.
 pub fn counted(n: usize, what: &str) -> String {
     format!("{n} {what}{}", if n == 1 { "" } else { "s" })

@@ -34,6 +34,9 @@ use nlmodes_fem::{FemError, Mesh};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+/// Most harmonics that a scene may ask for.
+pub const MAX_HARMONICS: u32 = 1000;
+
 /// A structure with one-sided stops, and how its nonlinear mode is to be computed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Scene {

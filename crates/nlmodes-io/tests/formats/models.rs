@@ -145,6 +145,34 @@ fn nodes_that_the_files_leave_free_are_held_by_number_and_by_set() {
     }
 }
 
+/// What some programs leave in the place of a row that they take out: a one on both diagonals and nothing beside it.
+#[test]
+fn rows_with_ones_on_both_diagonals_are_held() {
+    let directory = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| written(directory.path(), name, text);
+    let banner = "%%MatrixMarket matrix coordinate real symmetric\n";
+    let table = file("d.csv", "1,1,ux\n2,2,ux\n3,3,ux\n4,4,ux\n");
+    let model = |k: &str, m: &str, units: &str| {
+        let mut files = FeFiles::new(&file("k.mtx", &format!("{banner}{k}")), &file("m.mtx", &format!("{banner}{m}")));
+        files.dofs = Some(table.clone().into());
+        files.units = units.parse().unwrap();
+        FeModel::read(&files).unwrap()
+    };
+    let beside = "4 4 5\n1 1 1\n2 2 7.5\n3 2 -2.5\n3 3 2.5\n4 4 1\n";
+    for units in ["m-kg-s", "mm-t-s"] {
+        let held = model(beside, "4 4 4\n1 1 1\n2 2 3\n3 3 0.5\n4 4 1\n", units);
+        let nodes = |labels: &[nlmodes_io::DofLabel]| labels.iter().map(|label| label.node).collect::<Vec<_>>();
+        assert_eq!((nodes(&held.labels), nodes(&held.held_by_ones)), (vec![2, 3], vec![1, 4]));
+        assert_eq!((held.fixed.len(), held.row_of(3, Component::X), held.row_of(4, Component::X)), (2, Some(1), None));
+        assert_eq!(held.stiffness.get(1, 0) / held.stiffness.get(0, 0), -1.0 / 3.0);
+        assert_eq!(held.is_held(1, Component::X), Some(true));
+        // A mass on a spring of its own is none that is held, nor are masses on springs of one alone.
+        assert_eq!(model(beside, "4 4 4\n1 1 2\n2 2 3\n3 3 0.5\n4 4 0.1\n", units).n_dofs(), 4);
+        let alone = "4 4 4\n1 1 1\n2 2 7.5\n3 3 2.5\n4 4 1\n";
+        assert_eq!(model(alone, "4 4 4\n1 1 1\n2 2 3\n3 3 0.5\n4 4 1\n", units).n_dofs(), 4);
+    }
+}
+
 /// Takes a mass of a millionth of the stiffness for the stiffness, and the other way round.
 fn exchange(files: &mut FeFiles) {
     let lower = stiffness().into_iter().map(|(i, j, k)| (i, j, 1e-6 * k)).collect::<Vec<_>>();

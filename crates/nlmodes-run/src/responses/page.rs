@@ -74,8 +74,11 @@ pub fn write(
     Ok(report.write(directory.join("report.html"))?)
 }
 
+/// A quantity of the page: its name with its unit, and what a point has of it.
+type Quantity = (String, fn(&ModalPoint) -> f64);
+
 /// Amplitude of the first contact, that of the drive point, its lag, and the level, in the order of [`axes`].
-fn quantities(unit: &str) -> [(String, fn(&ModalPoint) -> f64); 4] {
+fn quantities(unit: &str) -> [Quantity; 4] {
     [
         ("fundamental of the first contact in m".to_owned(), |point| point.fundamental.abs()),
         ("fundamental of the drive point in m".to_owned(), figures::drive),

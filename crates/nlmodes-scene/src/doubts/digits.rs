@@ -6,7 +6,7 @@ use nlmodes_io::FeModel;
 
 use super::short;
 use crate::assemble::OpenStructure;
-use crate::outline::percent;
+use crate::rule::percent;
 use crate::scene::Scene;
 
 /// Share of a frequency that may be left open without a word.

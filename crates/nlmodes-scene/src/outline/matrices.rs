@@ -11,6 +11,7 @@ use crate::doubts::unplaced_unknowns;
 use crate::memory::Effort;
 use crate::number;
 use crate::rule::counted;
+use crate::rule::percent;
 use crate::scene::{Matrices, Scene};
 use nlmodes_io::{ContactChoice, ContactNodes, FeModel, Mesh, NodeContact, Partner};
 
@@ -162,12 +163,6 @@ fn left_open(scene: &Scene, open: &OpenStructure, model: &FeModel) -> Vec<Row> {
         rows.push(row("hourglass motions", text));
     }
     rows
-}
-
-/// Two digits of a share, in percent.
-pub(crate) fn percent(share: f64) -> String {
-    let percent: f64 = format!("{:.1e}", 100.0 * share).parse().unwrap_or(100.0 * share);
-    format!("{} %", number(percent))
 }
 
 fn contacts(matrices: &Matrices, model: &FeModel, contacts: &[NodeContact]) -> Vec<Row> {

@@ -1,10 +1,8 @@
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 
-use crate::scene::{ContactSolver, MassRule, MethodKind, Switching, Symmetry};
+use crate::scene::{ContactSolver, MAX_HARMONICS, MassRule, MethodKind, Switching, Symmetry};
 
-/// Most harmonics that a scene may ask for.
-pub const MAX_HARMONICS: u32 = 1000;
 /// Most harmonics that an accuracy chooses where the scene does not say.
 pub const DEFAULT_MAX_HARMONICS: u32 = 60;
 /// Most samples a period that a scene may ask for.

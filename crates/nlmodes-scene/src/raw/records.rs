@@ -4,8 +4,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 
 use crate::raw::RawStructure;
-use crate::raw::method::MAX_HARMONICS;
-use crate::scene::{ChannelRole, Directory, MeasuredQuantity, Overlay, Side};
+use crate::scene::{ChannelRole, Directory, MAX_HARMONICS, MeasuredQuantity, Overlay, Side};
 
 /// Most numbers of a list.
 const MAX_LIST: u32 = 4096;

@@ -6,7 +6,7 @@ use nlmodes::virtual_test::BenchNoise;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::raw::MAX_HARMONICS;
+use super::MAX_HARMONICS;
 
 use super::{BackboneMethod, LoopDetector, Overlay, RecordFormat, Side, Structure};
 
