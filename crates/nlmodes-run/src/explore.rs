@@ -11,9 +11,9 @@
 //!
 //! | item | what it is |
 //! | --- | --- |
-//! | [`Page`] | a scene and its server: [`Page::open`], [`Page::address`], [`Page::serve`], [`Page::end`] |
+//! | `Page` | a scene and its server: `Page::open`, `Page::address`, `Page::serve`, `Page::end` |
 //! | [`picture`] | the first branch of a scene as data of the page, without files |
-//! | [`ExploreError`] | why there is no page |
+//! | `ExploreError` | why there is no page |
 //!
 //! All but [`picture`] needs the feature `explore`.
 //!

@@ -11,7 +11,7 @@ const MAX_HISTORIES: u32 = 10_000;
 /// Which results are written, and where.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize, JsonSchema)]
 pub struct Output {
-    /// Directory of the result files, from where the program is started; default: results/<name of the file>
+    /// Directory of the result files, from where the program is started; default: `results/<name of the file>`
     #[serde(default)]
     #[schemars(length(min = 1))]
     pub directory: Option<PathBuf>,
@@ -26,7 +26,7 @@ pub struct Output {
 /// Where results go.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize, JsonSchema)]
 pub struct Directory {
-    /// Directory of the result files, from where the program is started; default: results/<name of the file>
+    /// Directory of the result files, from where the program is started; default: `results/<name of the file>`
     #[serde(default)]
     #[schemars(length(min = 1))]
     pub directory: Option<PathBuf>,
