@@ -61,6 +61,6 @@ pub use mode_shape::{NonlinearModeShape, PhaseAnchor, shifted};
 pub use monotone::{cubic, monotone_slopes};
 pub use noise::noise_level;
 pub use participation::Participation;
-pub use resonance::{InternalResonance, RESONANT_SHARE, Tongue, tongues};
+pub use resonance::{DETUNING, InternalResonance, RESONANT_SHARE, Tongue, tongues};
 pub use restitution::{Impact, Restitution, RestitutionStatistics};
 pub use stability::Stability;

@@ -2,7 +2,7 @@ use std::ops::RangeInclusive;
 
 use num_complex::Complex64;
 
-use crate::HarmonicCoefficients;
+use crate::{HarmonicCoefficients, ModalError, ModalPoint, NonlinearModeShape, PhaseAnchor};
 
 /// Participation of the linear modes in a nonlinear one, eq. (30): `v = Σ_n Re(Φ⁻¹ φ̃_n e^{−inθ})`.
 ///
@@ -24,6 +24,26 @@ pub struct Participation {
 }
 
 impl Participation {
+    /// Of the motion of a point with the mass-normalised modal coordinates `modal` (modes × (H + 1), m·√kg), with all
+    /// harmonics but the mean in the sum; the phase of `anchor`, the fundamental of the first contact, is taken out.
+    /// NaN where a motion has no fundamental to be normalised by, as the pure second mode on the tip of a tongue.
+    ///
+    /// # Errors
+    /// [`ModalError::NoFundamental`] if the modal amplitude is not finite.
+    pub fn of_point(point: &ModalPoint, modal: &HarmonicCoefficients, anchor: Complex64) -> Result<Self, ModalError> {
+        let (amplitude, harmonics) = (point.modal_amplitude, 1..=modal.n_harmonics());
+        let found = if amplitude == 0.0 {
+            let none = vec![f64::NAN; modal.n_coordinates()];
+            Self { factors: none.clone(), quadrature: none, harmonics, energy_shares: Vec::new() }
+        } else {
+            // Where the anchor's fundamental vanishes, as on the tip of a tongue, there is no phase to take out.
+            let phase = if anchor.norm() > 0.0 { PhaseAnchor::Phase(anchor.arg()) } else { PhaseAnchor::None };
+            let shape = NonlinearModeShape::new(modal, |_| amplitude * amplitude, phase)?;
+            Self::new(&shape.harmonics, harmonics)
+        };
+        Ok(found.with_energy_shares(modal, point.omega, point.kinetic_energy))
+    }
+
     /// Sums the harmonics of the modal coordinates `Φ⁻¹ φ̃_n` (modes × (H + 1), of a mode shape with its phase anchor).
     ///
     /// Harmonics beyond H cannot be included; the range in the result states which were.

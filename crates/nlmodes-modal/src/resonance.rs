@@ -1,9 +1,13 @@
 use std::fmt;
 
-use crate::{Event, ModalPoint};
+use crate::{Event, HarmonicCoefficients, ModalPoint};
 
 /// A harmonic above the first is resonant if it has at least this share of the averaged kinetic energy.
 pub const RESONANT_SHARE: f64 = 0.25;
+
+/// Largest relative distance of `nω` from an eigenfrequency that a resonance may have: the frequency of a strongly
+/// excited mode shifts by its own contacts.
+pub const DETUNING: f64 = 0.05;
 
 /// An internal resonance `n : mode k`: harmonic n of the motion excites linear mode k.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -12,6 +16,27 @@ pub struct InternalResonance {
     pub harmonic: usize,
     /// Number k of the linear mode, from 1.
     pub mode: usize,
+}
+
+impl InternalResonance {
+    /// The resonance of harmonic `harmonic`, at this angular frequency (rad/s), with one of the linear modes of angular
+    /// frequencies `omega`: of those within [`DETUNING`] the one with the largest coordinate in this harmonic. `modal`
+    /// gives the modal coordinates of the motion, modes × (H + 1), where any mode is near.
+    pub fn of_harmonic(
+        harmonic: usize,
+        frequency: f64,
+        omega: &[f64],
+        modal: impl FnOnce() -> Option<HarmonicCoefficients>,
+    ) -> Option<Self> {
+        let near: Vec<usize> = (0..omega.len()).filter(|&k| (frequency / omega[k] - 1.0).abs() < DETUNING).collect();
+        if near.is_empty() {
+            return None;
+        }
+        let modal = modal()?;
+        let size = |k: usize| modal.of(k)[harmonic].norm_sqr();
+        let mode = near.into_iter().max_by(|&i, &j| size(i).total_cmp(&size(j)))?;
+        Some(Self { harmonic, mode: mode + 1 })
+    }
 }
 
 impl fmt::Display for InternalResonance {
@@ -86,10 +111,18 @@ impl ModalPoint {
         self.harmonic_energy.get(n).map_or(0.0, |energy| energy / total.max(f64::MIN_POSITIVE))
     }
 
-    /// The harmonic above the first with the largest share of the kinetic energy, and that share.
+    /// The harmonic above the first, or above that of the load, with the largest share of the kinetic energy, and that
+    /// share.
     pub fn largest_higher_harmonic(&self) -> Option<(usize, f64)> {
-        let higher = (2..self.harmonic_energy.len()).map(|n| (n, self.harmonic_share(n)));
+        let of_load = ((self.listed_omega() / self.omega).round() as usize).max(1);
+        let higher = (of_load + 1..self.harmonic_energy.len()).map(|n| (n, self.harmonic_share(n)));
         higher.max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// The harmonic by which the motion may take part in an internal resonance: the largest higher one, where it has a
+    /// share of [`RESONANT_SHARE`].
+    pub fn resonant_harmonic(&self) -> Option<usize> {
+        self.largest_higher_harmonic().filter(|(_, share)| *share >= RESONANT_SHARE).map(|(harmonic, _)| harmonic)
     }
 }
 

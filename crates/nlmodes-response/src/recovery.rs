@@ -58,13 +58,34 @@ impl ResponseModel {
     /// `subharmonic` periods of the load are one of the motion.
     pub fn displacement(&self, row: &ResponseRow, motion: &PeriodicMotion, subharmonic: usize) -> Vec<Complex64> {
         let mut q = motion.displacement(row);
+        self.add_load(row.loads.iter().copied(), motion, subharmonic, &mut q);
+        q
+    }
+
+    /// What the load of a motion moves statically at a degree of freedom beyond the modes, harmonic by harmonic, m.
+    ///
+    /// # Panics
+    /// If there is no such degree of freedom.
+    pub fn load_displacement(&self, dof: usize, motion: &PeriodicMotion, subharmonic: usize) -> Vec<Complex64> {
+        let mut q = vec![Complex64::default(); motion.eta.len()];
+        self.add_load(self.residuals().map(|residual| residual[dof]), motion, subharmonic, &mut q);
+        q
+    }
+
+    /// Adds to `q` what each term of the load moves at its level one.
+    fn add_load(
+        &self,
+        shares: impl Iterator<Item = Complex64>,
+        motion: &PeriodicMotion,
+        subharmonic: usize,
+        q: &mut [Complex64],
+    ) {
         let omega = motion.at.omega * subharmonic as f64;
-        for (term, share) in self.terms().iter().zip(&row.loads) {
+        for (term, share) in self.terms().iter().zip(shares) {
             if let Some(q) = q.get_mut(term.harmonic * subharmonic) {
                 *q += share * (motion.at.level * omega.powi(term.omega_power));
             }
         }
-        q
     }
 
     /// Complex amplitudes of the drive point in a free motion, harmonic by harmonic, m; none without a drive point.

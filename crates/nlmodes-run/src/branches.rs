@@ -1,16 +1,13 @@
 //! The branches of a scene, of each of its methods and numbers of harmonics.
 
-mod figures;
-mod histories;
-mod motion;
+pub(crate) mod curve;
 mod overlaid;
 mod page;
-mod reduced;
+mod references;
 pub mod repeated;
 mod several;
 mod sink;
 mod starts;
-mod stops;
 mod summary;
 
 use std::time::Instant;
@@ -18,9 +15,8 @@ use std::time::Instant;
 use nlmodes::branches::{
     BranchError, BranchSettings, ComputedBranch, ComputedTree, check_branch, compute_tree_with_log,
 };
-use nlmodes::modal::{EndReason, Participation};
+use nlmodes::modal::{EndReason, ModalBranch, Participation};
 use nlmodes::model::{MasslessContactModel, StructuralModel};
-use nlmodes::report::{write_contacts, write_harmonics, write_histories, write_matlab};
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::{OpenStructure, Structures};
 use nlmodes_scene::scene::Scene;
@@ -28,20 +24,20 @@ use serde_json::Value;
 
 use crate::certificate::{Certificate, Sources};
 use crate::claim::{Claim, identity};
+use crate::curve::space::Period;
+use crate::curve::{Curve, LINEAR_MODES, figures, histories, tables};
 use crate::journal::Journal;
 use crate::linear::{LinearFrequencies, frequencies};
 use crate::open_modes::OpenLinearModes;
 use crate::outcome::{PartOutcome, RunOutcome};
 use crate::overlay::{self, Laid};
 use crate::settings::{Models, branch_settings, models, models_sharing, starts};
+use crate::style::style_of;
 use crate::updating::updated;
 use crate::{Event, Failure, Observer, Over, RunError, doubts, links, mass, no_contact, refusal};
-use figures::LINEAR_MODES;
-pub(crate) use figures::held_ends;
-use motion::Period;
+use curve::BranchCurve;
 use overlaid::Overlaid;
 use sink::{Sink, branch_directory};
-pub(crate) use stops::lines as stop_lines;
 
 /// Computes the branches of scenes that differ in their method only, and writes their files into the directory that the
 /// first one names.
@@ -147,19 +143,25 @@ fn one_branch(
     let certificates: Vec<Certificate> =
         tree.branches.iter().map(|branch| Certificate::of(branch, sources, &mut look)).collect();
     let certificate_time = began.elapsed().saturating_sub(points_time);
-    let laid = tree.branches.first().map(|first| Overlaid::new(laid, first));
+    let laid = tree.branches.first().map(|first| Overlaid::new(laid, &BranchCurve::new(first, &[])));
     let (written, linear, participation) = match whole(scene, &model, &massless, &modes, &tree) {
         Ok((mut linear, participation)) => {
             open.iter().for_each(|open| linear.mark(&open.strainless));
             let is_shown = scene.files.figures || scene.files.page;
-            let period = if is_shown { Period::of(open.as_ref(), &tree) } else { Ok(None) };
+            let curves: Vec<BranchCurve<'_>> =
+                tree.branches.iter().zip(&participation).map(|(one, found)| BranchCurve::new(one, found)).collect();
+            let period = match curves.first().filter(|_| is_shown) {
+                Some(first) => Period::of(open.as_ref(), first),
+                None => Ok(None),
+            };
             let found = period.as_ref().ok().and_then(Option::as_ref);
             if let Some(text) = found.and_then(Period::warning) {
                 observer.event(Event::Warning(&text));
             }
-            let about = About { linear: &linear, participation: &participation, period: found, open: open.as_ref() };
+            let about = About { linear: &linear, period: found, open: open.as_ref() };
+            let curves: Vec<&dyn Curve> = curves.iter().map(|curve| curve as &dyn Curve).collect();
             let written = match &laid {
-                Some(laid) => write(scene, &about, (&tree, &certificates, laid), began),
+                Some(laid) => write(scene, &about, (&tree, &curves, &certificates, laid), began),
                 None => Ok(()),
             };
             let written = written.and(period.map(drop));
@@ -271,58 +273,45 @@ fn whole(
 fn write(
     scene: &Scene,
     about: &About<'_>,
-    (tree, certificates, laid): (&ComputedTree, &[Certificate], &Overlaid),
+    (tree, curves, certificates, laid): (&ComputedTree, &[&dyn Curve], &[Certificate], &Overlaid),
     began: Instant,
 ) -> Result<(), Failure> {
-    let (directory, participation) = (&scene.output_directory, about.participation);
+    let directory = &scene.output_directory;
     if let Some(period) = about.period {
         period.write(scene)?;
     }
-    for (number, computed) in tree.branches.iter().enumerate() {
-        let folder = branch_directory(directory, number);
-        write_contacts(folder.join("contacts.csv"), &computed.branch)?;
-        write_harmonics(folder.join("harmonics.npz"), &computed.branch)?;
+    for (number, curve) in curves.iter().enumerate() {
+        tables::write(&branch_directory(directory, number), &[*curve])?;
     }
     starts::write(directory, &tree.branches)?;
     summary::write(directory, (scene, about), (tree, certificates), began.elapsed())?;
-    figures::write_participations(directory, &tree.branches, participation)?;
-    let Some(first) = tree.branches.first() else { return Ok(()) };
-    write_motions(scene, first)?;
+    let Some(first) = curves.first() else { return Ok(()) };
+    tables::write_motions(directory, &scene.files, &[*first])?;
     laid.write(directory, "overlay")?;
     if !(scene.files.figures || scene.files.page) {
         return Ok(());
     }
-    let references = histories::own_references(first)?;
+    let references = histories::own_references(*first)?;
     if scene.files.figures {
-        figures::write(directory, scene, &tree.branches, participation, (&references, laid))?;
+        let shown: Vec<&ModalBranch> = curves.iter().map(|curve| curve.branch()).chain(laid.branches()).collect();
+        let scattered = laid.scattered(curves.len());
+        figures::frequencies(directory, scene, (&shown, &scattered), &first.pictured(), &references)?;
+        figures::write(directory, scene, curves, &scene.title)?;
+        histories::write(directory, &references, &style_of(&scene.files))?;
     }
     if !scene.files.page {
         return Ok(());
     }
     let branches: Vec<&ComputedBranch> = tree.branches.iter().collect();
-    let participation: Vec<&[Participation]> = participation.iter().map(Vec::as_slice).collect();
     let certified: Vec<&Certificate> = certificates.iter().collect();
     let methods = Overlaid::others(&[]);
     let shown = page::Shown { references: &references, laid, methods: &methods, period: about.period };
-    page::write(directory, &[scene], about.linear, (&branches, &certified), &participation, &shown)
+    page::write(directory, &[scene], about.linear, (&branches, curves, &certified), &shown)
 }
 
 /// What is known about the branches beside their points.
 struct About<'a> {
     linear: &'a LinearFrequencies,
-    participation: &'a [Vec<Participation>],
     period: Option<&'a Period>,
     open: Option<&'a OpenStructure>,
-}
-
-/// Writes the motions of the contacts at some points, and the results for MATLAB.
-fn write_motions(scene: &Scene, first: &ComputedBranch) -> Result<(), Failure> {
-    let histories = histories::of_points(first, &scene.files)?;
-    if !histories.points.is_empty() {
-        write_histories(scene.output_directory.join("histories.npz"), &histories)?;
-    }
-    if scene.files.matlab {
-        write_matlab(scene.output_directory.join("results.mat"), &first.branch, &histories)?;
-    }
-    Ok(())
 }

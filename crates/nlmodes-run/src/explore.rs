@@ -63,15 +63,15 @@
 
 use std::ops::ControlFlow;
 
-use nlmodes::branches::{BranchPointRule, BranchSettings, Histories, StabilityRule, Watch, compute_branch};
-use nlmodes::modal::{ModalBranch, ModalPoint};
-use nlmodes::report::HtmlReport;
+use nlmodes::branches::{BranchPointRule, BranchSettings, StabilityRule, Watch, compute_branch};
+use nlmodes::modal::ModalPoint;
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::Structures;
 
-use crate::branches::{held_ends, stop_lines};
+use crate::branches::curve::BranchCurve;
+use crate::curve::picture::{self, MOST_POINTS};
 use crate::settings::{Models, branch_settings, models_sharing, starts};
-use crate::{Failure, RunError, refusal};
+use crate::{RunError, refusal};
 
 #[cfg(feature = "explore")]
 mod answer;
@@ -92,11 +92,6 @@ mod sliders;
 pub use error::ExploreError;
 #[cfg(feature = "explore")]
 pub use page::Page;
-
-/// Most points: somebody waits for them.
-const MOST_POINTS: usize = 600;
-/// Instants of a period of the contacts.
-const SAMPLES: usize = 120;
 
 /// Computes the branch of a scene from its start; one way where it goes both ways, without stability. Of a scene with
 /// responses the first curve of the first one.
@@ -129,19 +124,5 @@ pub fn picture(file: &SceneFile, watch: Watch, structures: &Structures) -> Resul
         false => ControlFlow::Continue(()),
     };
     let computed = compute_branch(massless, &settings, going_on).map_err(|error| refusal::of_branch(file, &error))?;
-    if watch.has_ended() {
-        return Err(RunError::Ended);
-    }
-    let branches: [&ModalBranch; 1] = [&computed.branch];
-    let histories = std::cell::RefCell::new(Histories::of(&computed));
-    let motion = |_: usize, point: usize| {
-        let mut histories = histories.try_borrow_mut().ok()?;
-        if watch.has_ended() { None } else { histories.at(point, SAMPLES, "").ok() }
-    };
-    let report = HtmlReport::new(&file.scene.title, &branches)
-        .clamped_at(&held_ends(&file.scene, &computed))
-        .stops(&stop_lines(&computed))
-        .contact_motion(&motion);
-    let text = report.data().map_err(|error| RunError::Files(Failure::from(error)))?;
-    if watch.has_ended() { Err(RunError::Ended) } else { Ok(text) }
+    picture::picture(&file.scene, &BranchCurve::new(&computed, &[]), &watch)
 }

@@ -63,6 +63,7 @@ mod character;
 mod check;
 mod claim;
 pub mod compare;
+mod curve;
 mod doubts;
 mod error;
 pub mod explore;

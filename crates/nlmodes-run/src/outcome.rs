@@ -41,6 +41,11 @@ pub struct PartOutcome {
 }
 
 impl PartOutcome {
+    /// Participation of linear modes in the points of its first branch.
+    pub(crate) fn shares(&self) -> &[Participation] {
+        self.participation.first().map_or(&[], Vec::as_slice)
+    }
+
     /// How its branches ended, in words.
     pub fn endings(&self) -> Vec<Ending> {
         let several = self.tree.branches.len() > 1;

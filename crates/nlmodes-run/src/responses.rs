@@ -5,7 +5,6 @@ mod convert;
 mod curves;
 mod damping;
 mod figures;
-mod histories;
 mod model;
 mod overlaid;
 mod page;
@@ -13,6 +12,7 @@ mod picture;
 mod structure;
 mod summary;
 mod tables;
+mod viewed;
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -26,6 +26,8 @@ use nlmodes_scene::scene::Scene;
 
 use crate::certificate::Certificate;
 use crate::claim::{Claim, identity};
+use crate::curve::space::Period;
+use crate::curve::{self, Curve, histories};
 use crate::doubts;
 use crate::journal::Journal;
 use crate::style::style_of;
@@ -36,6 +38,7 @@ use curves::{Job, detached, follow, jobs};
 use model::Model;
 use overlaid::{Beside, LaidCurve};
 pub(crate) use picture::picture;
+use viewed::viewed;
 
 /// What came out of the responses of a scene.
 #[derive(Debug)]
@@ -129,7 +132,7 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
         claim.take_at_once()?;
         // The table of an earlier run stands until this one has come as far.
         if computing.get() {
-            tables::write_points(&directory, model.unit, curves).map_err(|source| unwritable(source, true))?;
+            tables::write_points(&directory, &file.scene, &model, curves).map_err(|source| unwritable(source, true))?;
         }
         Ok::<bool, RunError>(observer.is_cancelled())
     };
@@ -156,7 +159,7 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
         return Err(RunError::Ended);
     }
     if !computing.get() {
-        tables::write_points(&directory, model.unit, &curves).map_err(|source| unwritable(source, true))?;
+        tables::write_points(&directory, &file.scene, &model, &curves).map_err(|source| unwritable(source, true))?;
     }
     let certificate = certified::certificate(&file.scene, &model, &curves);
     let beside = |curve: &LaidCurve| (curve.clone(), overlaid::beside(curve, &curves));
@@ -189,21 +192,37 @@ fn files(
 ) -> Result<(), Failure> {
     let directory = &scene.output_directory;
     overlaid::write(directory, compared)?;
-    let sentences: Vec<String> = compared.iter().map(|(curve, found)| overlaid::sentence(curve, found)).collect();
-    tables::write_motions(directory, curves)?;
+    let shown = viewed(scene, model, curves);
+    let each: Vec<&dyn Curve> = shown.iter().map(|curve| curve as &dyn Curve).collect();
+    let is_shown = scene.files.figures || scene.files.page;
+    let first = each.first().filter(|_| is_shown);
+    let period = first.map_or(Ok(None), |first| Period::of(model.reduction.as_ref(), *first))?;
+    curve::tables::write(directory, &each)?;
+    curve::tables::write_motions(directory, &scene.files, &each)?;
     tables::write_forces(directory, curves)?;
-    histories::write(directory, scene, model, curves)?;
-    summary::write(directory, scene, model, (curves, certificate), began)?;
-    let figures = figures::all(scene, model, (curves, laid))?;
+    if let Some(period) = &period {
+        period.write(scene)?;
+    }
+    summary::write(directory, (scene, model), (curves, certificate), period.as_ref(), began)?;
+    let Some(first) = first else { return Ok(()) };
+    let (figures, references) = (figures::all(scene, model, (curves, laid))?, histories::own_references(*first)?);
     if scene.files.figures {
         let style = style_of(&scene.files);
         figures.iter().try_for_each(|(name, _, figure)| figure.styled(&style).write(directory.join(name)))?;
+        let title = match each.len() {
+            1 => scene.title.clone(),
+            _ => format!("{}: {}", scene.title, first.branch().label),
+        };
+        curve::figures::write(directory, scene, &each, &title)?;
+        histories::write(directory, &references, &style)?;
     }
-    if scene.files.page {
-        page::write(directory, scene, model, (curves, certificate, &sentences), (figures, !laid.is_empty()))
-    } else {
-        Ok(())
+    if !scene.files.page {
+        return Ok(());
     }
+    let sentences = compared.iter().map(|(curve, found)| overlaid::sentence(curve, found)).collect();
+    let (is_overlaid, references, period) = (!laid.is_empty(), references.as_slice(), period.as_ref());
+    let content = page::Shown { certificate, sentences, is_overlaid, figures, references, period };
+    page::write(directory, (scene, model), (&shown, curves), content)
 }
 
 /// Whether a run of the responses would begin.

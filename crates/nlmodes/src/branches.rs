@@ -40,7 +40,7 @@ pub use events::event_of;
 pub use histories::Histories;
 pub use left::LeftMode;
 pub use periodic::PeriodicError;
-pub use points::{figure_points, reference_points};
+pub use points::{figure_points, reference_points, way_points};
 pub use refuse::check_branch;
 pub use settings::{BranchMethod, BranchPointRule, BranchSettings, BranchStart, ResonanceRule, StabilityRule};
 pub use watch::{Doing, Ended, Watch};

@@ -29,12 +29,12 @@ pub const FILES: [FileMeaning; 22] = [
     },
     FileMeaning {
         name: "histories.npz",
-        meaning: "Motion and force of the contacts over a period, for the points that figures show and those of `output.histories` (P points, C contacts, T instants)",
+        meaning: "Motion and force of the contacts over a period, for the points that figures show, of responses the one with the largest contact force of each curve, and those of `output.histories` (P points, C contacts, T instants)",
         columns: &[&HISTORY_ARRAYS],
     },
     FileMeaning {
         name: "results.mat",
-        meaning: "Branch, stops, motions and histories for MATLAB and Octave (version 5)",
+        meaning: "With `output.matlab = true`: branch, stops, motions and histories for MATLAB and Octave (version 5)",
         columns: &[&MATLAB_VARIABLES],
     },
     FileMeaning {
@@ -79,7 +79,7 @@ pub const FILES: [FileMeaning; 22] = [
     },
     FileMeaning {
         name: "summary.json",
-        meaning: "The scene as read, linear frequencies, grazing point, method, `reduction` (free-interface modes, and by how much half as many change the frequency), `contacts` of a structure from files (nodes, normal, gap of each number), `motion` (the point that `motion.pvd` shows), events, internal resonances, stability, why the branch ended, times; under `certificate` which numbers to use, and what was compared to say so",
+        meaning: "The scene as read, linear frequencies, grazing point, method, `reduction` (free-interface modes, and by how much half as many change the frequency), `contacts` of a structure from files (nodes, normal, gap of each number), `motion` (the point that `motion.pvd` shows), events, internal resonances, stability, why the branch ended, times; of responses the same of each curve; under `certificate` which numbers to use, and what was compared to say so",
         columns: &[],
     },
     FileMeaning {
@@ -89,7 +89,7 @@ pub const FILES: [FileMeaning; 22] = [
     },
     FileMeaning {
         name: "frequency_energy.svg",
-        meaning: "Figures, also `frequency_amplitude.svg`, `contacts.svg`, `participation.svg`, `motion_….svg`, `history_P….svg`; left out with `output.figures = false`",
+        meaning: "Figures, also `frequency_amplitude.svg`, `contacts.svg`, `participation.svg`, `motion_….svg`, `history_P….svg`; of responses `responses.svg` and others instead of the first two, and motions, contacts and histories of the first curve, up to its largest contact force; left out with `output.figures = false`",
         columns: &[],
     },
     FileMeaning {

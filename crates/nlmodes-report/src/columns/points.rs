@@ -268,7 +268,7 @@ impl ParticipationRow {
         let shares = (0..modes).map(|k| found.energy_shares.get(k).copied().unwrap_or(f64::NAN));
         Self {
             point: index,
-            frequency_hz: point.omega / TAU,
+            frequency_hz: point.listed_omega() / TAU,
             modal_amplitude: point.modal_amplitude,
             harmonics: format!("{}-{}", found.harmonics.start(), found.harmonics.end()),
             participation: Numbered(found.factors.clone()),

@@ -5,7 +5,7 @@ use super::harmonics::{all_coefficients, common_width};
 use super::histories::{PointHistories, SERIES};
 use super::mat5::{Value, file};
 use crate::ReportError;
-use crate::columns::{BranchRow, Cells, Column, ContactRow, Row};
+use crate::columns::{BranchRow, Column, ContactRow, ResponseRow, Row};
 use crate::output::replace_file;
 use nlmodes_modal::{ModalBranch, ModalPoint};
 
@@ -17,7 +17,7 @@ pub const MATLAB_VARIABLES: [Column; 4] = [
     Column::new(
         "branch",
         "",
-        "structure with the columns of `branch.csv`; `event` and `resonance` are cell arrays of texts, what is unknown is NaN",
+        "structure with the columns of `branch.csv`; `event`, `resonance` and other texts are cell arrays, what is unknown is NaN",
     ),
     Column::new(
         "contacts",
@@ -28,17 +28,19 @@ pub const MATLAB_VARIABLES: [Column; 4] = [
     Column::new("histories", "", "structure with the arrays of `histories.npz`"),
 ];
 
-/// Writes a branch with its motions as a MATLAB file of version 5, with the variables of `columns::FILES`.
+/// Writes a branch with its motions as a MATLAB file of version 5, with the variables of `columns::FILES`; `responses`
+/// are the further columns of the points of responses, none of a branch.
 ///
 /// # Errors
 /// Errors of [`write_harmonics`](super::write_harmonics) and [`write_histories`](super::write_histories).
 pub fn write_matlab(
     path: impl AsRef<Path>,
     branch: &ModalBranch,
+    responses: &[ResponseRow],
     histories: &PointHistories,
 ) -> Result<(), ReportError> {
     let bytes = file(&[
-        ("branch", branch_columns(&branch.points)),
+        ("branch", branch_columns(&branch.points, responses)),
         ("contacts", contacts(&branch.points)),
         ("harmonics", harmonics(branch)?),
         ("histories", motions(histories)?),
@@ -49,14 +51,22 @@ pub fn write_matlab(
 /// Columns that number the rows, and that `branch` has as well.
 const NUMBERING: [&str; 3] = ["point", "contact", "frequency_hz"];
 
-fn branch_columns(points: &[ModalPoint]) -> Value {
+fn branch_columns(points: &[ModalPoint], responses: &[ResponseRow]) -> Value {
     let rows: Vec<BranchRow> = points.iter().enumerate().map(|(k, point)| BranchRow::of(k, point)).collect();
+    let mut fields = columns(&rows);
+    if !responses.is_empty() {
+        fields.extend(columns(responses));
+    }
+    Value::Structure(fields)
+}
+
+fn columns<R: Row>(rows: &[R]) -> Vec<(&'static str, Value)> {
     let (numbers, cells): (Vec<_>, Vec<_>) = rows.iter().map(|row| (row.numbers(), row.cells())).unzip();
-    let field = |(k, column): (usize, &Column)| match BranchRow::TEXTS[k] {
+    let field = |(k, column): (usize, &Column)| match R::TEXTS[k] {
         true => (column.name, Value::Texts(cells.iter().map(|cells| cells[k].clone()).collect())),
         false => (column.name, Value::column(numbers.iter().map(|numbers| numbers[k]))),
     };
-    Value::Structure(BranchRow::COLUMNS.iter().enumerate().map(field).collect())
+    R::COLUMNS.iter().enumerate().map(field).collect()
 }
 
 fn contacts(points: &[ModalPoint]) -> Value {

@@ -2,11 +2,10 @@
 
 use std::path::Path;
 
-use nlmodes::branches::ComputedBranch;
 use nlmodes::modal::ModalBranch;
 use nlmodes::report::{DataTable, ReportError};
 
-use super::stops;
+use crate::curve::{Curve, stops};
 use crate::overlay::{
     Difference, Laid, StopChange, at_equal_frequency, changes, differences, lines, sentence,
     sentence_at_equal_frequency, stops_table, table, write, write_stops,
@@ -42,18 +41,18 @@ impl Compared {
 
 impl Overlaid {
     /// Compares them with the first branch.
-    pub fn new(laid: &[Laid], first: &ComputedBranch) -> Self {
-        let compared = laid.iter().map(|laid| Compared::new(laid, &first.branch)).collect();
-        Self { compared, first: first.branch.label.clone(), stops: stops::names(first) }
+    pub fn new(laid: &[Laid], first: &dyn Curve) -> Self {
+        let compared = laid.iter().map(|laid| Compared::new(laid, first.branch())).collect();
+        Self { compared, first: first.branch().label.clone(), stops: stops::names(first) }
     }
 
     /// The other branches of a run against its first one.
-    pub fn others(all: &[&ComputedBranch]) -> Self {
+    pub fn others(all: &[&dyn Curve]) -> Self {
         let Some((first, others)) = all.split_first() else {
             return Self { compared: Vec::new(), first: String::new(), stops: Vec::new() };
         };
-        let laid = |computed: &&ComputedBranch| Laid { branch: computed.branch.clone(), is_scattered: false };
-        Self::new(&others.iter().map(laid).collect::<Vec<_>>(), first)
+        let laid = |curve: &&dyn Curve| Laid { branch: curve.branch().clone(), is_scattered: false };
+        Self::new(&others.iter().map(laid).collect::<Vec<_>>(), *first)
     }
 
     /// Writes the differences as `NAME.csv`, and those of each stop as `NAME_stops.csv`, where there is anything laid

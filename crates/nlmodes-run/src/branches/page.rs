@@ -1,28 +1,23 @@
-//! `report.html`: the run on one page.
+//! What the page of a run says of its branches beside their curves.
 
-use std::cell::RefCell;
 use std::f64::consts::TAU;
-use std::ops::RangeInclusive;
 use std::path::Path;
 
-use nlmodes::branches::{ComputedBranch, Histories, figure_points};
-use nlmodes::modal::{ModalBranch, Participation};
-use nlmodes::report::{DataTable, HtmlReport};
+use nlmodes::branches::ComputedBranch;
+use nlmodes::report::DataTable;
+use nlmodes_scene::scene::Scene;
+use serde::Serialize;
+use serde_json::Value;
 
-use super::figures::{SHOWN_MODES, held_ends};
-use super::histories::Reference;
-use super::motion::Period;
 use super::overlaid::Overlaid;
-use super::stops;
 use super::summary::method_used;
 use crate::Failure;
-use crate::certificate::{self, Certificate};
+use crate::certificate::Certificate;
+use crate::curve::Curve;
+use crate::curve::histories::Reference;
+use crate::curve::page::{self, Certified, Content};
+use crate::curve::space::Period;
 use crate::linear::{LinearFrequencies, modal_model};
-use nlmodes_scene::scene::Scene;
-
-/// Instants of a period of the contacts that move on the page, beside those at which they close and open; it keeps
-/// those that its curves need.
-const MOTION_SAMPLES: usize = 400;
 
 /// What the page shows beside the branches.
 pub struct Shown<'a> {
@@ -36,103 +31,46 @@ pub struct Shown<'a> {
     pub period: Option<&'a Period>,
 }
 
-/// Writes the page about these branches of scenes that differ in their method only; its points with a name are those of
-/// the figures of the first branch, and the references of `shown`, whose time histories it shows.
+/// Writes the page about these branches of scenes that differ in their method only.
 pub fn write(
     directory: &Path,
     scenes: &[&Scene],
     linear: &LinearFrequencies,
-    (all, certificates): (&[&ComputedBranch], &[&Certificate]),
-    participation: &[&[Participation]],
+    (all, curves, certificates): (&[&ComputedBranch], &[&dyn Curve], &[&Certificate]),
     shown: &Shown<'_>,
 ) -> Result<(), Failure> {
     let Shown { references, laid, methods, period } = *shown;
     let (Some(first), Some(scene)) = (all.first(), scenes.first()) else { return Ok(()) };
-    let computed = all.iter().map(|computed| &computed.branch);
-    let branches: Vec<&ModalBranch> = computed.chain(laid.branches()).collect();
-    let histories = RefCell::new(all.iter().map(|computed| Histories::of(computed)).collect::<Vec<_>>());
-    let contact_motion =
-        |branch: usize, point: usize| histories.borrow_mut().get_mut(branch)?.at(point, MOTION_SAMPLES, "").ok();
-    let participation: Vec<Vec<Participation>> = participation.iter().map(|found| lowest(found)).collect();
-    let unknown: Vec<Vec<Participation>> = laid.branches().map(|branch| unknown(branch.points.len())).collect();
-    let participation: Vec<&[Participation]> = participation.iter().chain(&unknown).map(Vec::as_slice).collect();
     let method = method_used(scene, first);
-    let mut report = HtmlReport::new(&scene.title, &branches)
-        .line(format!("{}; {}", first.branch.label, method.name))
-        .clamped_at(&held_ends(scene, first))
-        .stops(&stops::lines(first))
-        .contact_motion(&contact_motion)
-        .participation(&participation)
-        .scattered(&laid.scattered(all.len()))
-        .table(linear_table(linear))
-        .document("Scene as read, in SI units", scene)?
-        .document("Method as used", &method)?;
-    if let Some(text) = &linear.mass_warning {
-        report = report.warning(text);
-    }
-    let name = |computed: &ComputedBranch| (all.len() > 1).then(|| computed.branch.label.clone());
-    for (certificate, computed) in certificates.iter().zip(all) {
-        report = certificate.on_the_head(report, name(computed).as_deref());
-    }
-    if let Some(text) = scene.structure.straight().and_then(modal_model) {
-        report = report.line(text);
-    }
-    if let Some(wireframe) = period.and_then(Period::wireframe) {
-        report = report.wireframe(wireframe.clone());
-    }
-    for text in methods.sentences().chain(laid.sentences()) {
-        report = report.line(text);
-    }
-    for table in methods.tables().chain(laid.tables()) {
-        report = report.table(table);
-    }
-    for computed in all {
-        if let Some(table) = beyond_accuracy(computed) {
-            report = report.table(table);
-        }
-    }
-    for (branch, (computed, certificate)) in all.iter().zip(certificates).enumerate() {
-        for table in certificate::tables(certificate, name(computed).as_deref(), Some(branch)) {
-            report = report.closing_table(table);
-        }
-    }
+    let certified = certificates.iter().zip(all).enumerate().map(|(branch, (certificate, computed))| Certified {
+        certificate,
+        name: (all.len() > 1).then(|| computed.branch.label.clone()),
+        curve: Some(branch),
+    });
+    let own = scene.structure.straight().and_then(modal_model);
+    let mut documents = vec![("Scene as read, in SI units".to_owned(), json(scene)?)];
+    documents.push(("Method as used".to_owned(), json(&method)?));
     for (k, scene) in scenes.iter().enumerate().skip(1) {
-        report = report.document(format!("Method {} of the scene", k + 1), &scene.method)?;
+        documents.push((format!("Method {} of the scene", k + 1), json(&scene.method)?));
     }
-    for (k, point) in figure_points(&first.branch).into_iter().enumerate() {
-        report = report.mark(0, point, (k + 1).to_string());
-    }
-    for reference in references {
-        report = report.mark(0, reference.point, &reference.name);
-        for curves in reference.curves() {
-            report = report.histories_at(curves.title, &curves.histories, &curves.stops);
-        }
-    }
-    Ok(report.write(directory.join("report.html"))?)
+    let tables = methods.tables().chain(laid.tables()).chain(all.iter().filter_map(|one| beyond_accuracy(one)));
+    let content = Content {
+        lines: vec![format!("{}; {}", first.branch.label, method.name)],
+        further_lines: own.into_iter().chain(methods.sentences()).chain(laid.sentences()).collect(),
+        warnings: linear.mass_warning.iter().cloned().collect(),
+        certified: certified.collect(),
+        tables: [linear_table(linear)].into_iter().chain(tables).collect(),
+        documents,
+        laid: laid.branches().collect(),
+        scattered: laid.scattered(all.len()),
+        references,
+        period,
+    };
+    page::write(directory, scene, curves, content, |report| report)
 }
 
-/// The participation of so many points of which none is known.
-fn unknown(points: usize) -> Vec<Participation> {
-    let none = vec![f64::NAN; SHOWN_MODES];
-    let one = Participation {
-        factors: none.clone(),
-        quadrature: none.clone(),
-        harmonics: RangeInclusive::new(1, 0),
-        energy_shares: none,
-    };
-    vec![one; points]
-}
-
-/// The participation of the modes that are shown.
-fn lowest(found: &[Participation]) -> Vec<Participation> {
-    let of = |point: &Participation| {
-        let mut point = point.clone();
-        point.factors.truncate(SHOWN_MODES);
-        point.quadrature.truncate(SHOWN_MODES);
-        point.energy_shares.truncate(SHOWN_MODES);
-        point
-    };
-    found.iter().map(of).collect()
+fn json(content: &impl Serialize) -> Result<Value, Failure> {
+    Ok(serde_json::to_value(content)?)
 }
 
 /// Where the accuracy that was asked for is not reached, if it is not.
@@ -174,6 +112,7 @@ fn linear_table(found: &LinearFrequencies) -> DataTable {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::branches::curve::BranchCurve;
     use crate::settings::{branch_settings, models};
     use nlmodes::branches::{BranchSettings, compute_branch};
     use std::ops::ControlFlow;
@@ -194,7 +133,7 @@ mod tests {
             let massless = models(&files[0])?.massless;
             let settings = BranchSettings { held_modes: Some(20), ..branch_settings(&files[0].scene) };
             let computed = compute_branch(massless, &settings, |_| ControlFlow::Continue(()))?;
-            let stops = stops::lines(&computed);
+            let stops = BranchCurve::new(&computed, &[]).stops();
             let at: Vec<f64> = stops.iter().map(|stop| computed.branch.coordinates[stop.coordinate].position).collect();
             assert!(at.len() == 2 && (at[0] - 1.0).abs() < 1e-9 && (at[1] - 0.5).abs() < 1e-9, "{elements}: {at:?}");
             let stands: Vec<(f64, bool)> = stops.iter().map(|stop| (stop.position, stop.positive)).collect();

@@ -3,14 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use nlmodes::branches::ComputedBranch;
-use nlmodes::modal::{ModalBranch, Participation};
-use nlmodes::report::{Abscissa, BranchFigure, write_summary};
+use nlmodes::modal::ModalBranch;
+use nlmodes::report::write_summary;
 use serde::Serialize;
 
+use super::curve::BranchCurve;
 use super::overlaid::Overlaid;
-use super::{figures, histories, one_branch, page};
+use super::references::references;
+use super::{one_branch, page};
 use crate::certificate::Certificate;
 use crate::claim::Claim;
+use crate::curve::{Curve, figures, histories};
 use crate::files::remove_figures;
 use crate::outcome::{PartOutcome, RunOutcome};
 use crate::overlay::Laid;
@@ -142,23 +145,19 @@ impl Branch {
 
 /// Writes the common files; the differences from the first part in lines.
 fn write(files: &[SceneFile], parts: &[PartOutcome], rows: Vec<Branch>, laid: &[Laid]) -> Result<Vec<String>, Failure> {
-    let branches: Vec<&ComputedBranch> = parts.iter().filter_map(|part| part.tree.branches.first()).collect();
-    let (Some(file), Some(first), Some(own)) = (files.first(), parts.first(), branches.first()) else {
-        return Ok(Vec::new());
-    };
-    let scene = &file.scene;
-    let directory = &scene.output_directory;
+    let Some(file) = files.first() else { return Ok(Vec::new()) };
+    let curves: Vec<BranchCurve<'_>> =
+        parts.iter().filter_map(|part| Some(BranchCurve::new(part.tree.branches.first()?, part.shares()))).collect();
+    let curves: Vec<&dyn Curve> = curves.iter().map(|curve| curve as &dyn Curve).collect();
+    let Some(own) = curves.first() else { return Ok(Vec::new()) };
+    let (scene, directory) = (&file.scene, &file.scene.output_directory);
     remove_figures(directory);
-    let laid = Overlaid::new(laid, own);
+    let laid = Overlaid::new(laid, *own);
     laid.write(directory, "overlay")?;
-    let methods = Overlaid::others(&branches);
+    let methods = Overlaid::others(&curves);
     methods.write(directory, "methods")?;
-    let all: Vec<&ModalBranch> = branches.iter().map(|computed| &computed.branch).collect();
-    let participation: Vec<&[Participation]> =
-        parts.iter().filter_map(|part| part.participation.first()).map(Vec::as_slice).collect();
     if scene.files.figures || scene.files.page {
-        let certificates: Vec<&Certificate> = parts.iter().filter_map(|part| part.certificates.first()).collect();
-        write_figures(files, first, (&branches, &all, &certificates), &participation, (&laid, &methods))?;
+        write_figures(files, parts, &curves, (&laid, &methods))?;
     }
     let scenes: Vec<&Scene> = files.iter().map(|file| &file.scene).collect();
     let summary = Summary { program: "nlmodes-cli", version: env!("CARGO_PKG_VERSION"), scenes, branches: rows };
@@ -169,34 +168,25 @@ fn write(files: &[SceneFile], parts: &[PartOutcome], rows: Vec<Branch>, laid: &[
 /// The common figures and the page, as requested.
 fn write_figures(
     files: &[SceneFile],
-    first: &PartOutcome,
-    (branches, all, certificates): (&[&ComputedBranch], &[&ModalBranch], &[&Certificate]),
-    participation: &[&[Participation]],
+    parts: &[PartOutcome],
+    curves: &[&dyn Curve],
     (laid, methods): (&Overlaid, &Overlaid),
 ) -> Result<(), Failure> {
-    let Some(scene) = files.first().map(|file| &file.scene) else { return Ok(()) };
-    let directory = &scene.output_directory;
-    let references = histories::references(branches)?;
-    let shown: Vec<&ModalBranch> = all.iter().copied().chain(laid.branches()).collect();
+    let (Some(file), Some(first)) = (files.first(), parts.first()) else { return Ok(()) };
+    let (scene, directory) = (&file.scene, &file.scene.output_directory);
+    let branches: Vec<&ComputedBranch> = parts.iter().filter_map(|part| part.tree.branches.first()).collect();
+    let references = references(&branches)?;
     if scene.files.figures {
-        let style = style_of(&scene.files);
-        for (abscissa, name) in
-            [(Abscissa::Energy, "frequency_energy.svg"), (Abscissa::ModalAmplitude, "frequency_amplitude.svg")]
-        {
-            let mut figure =
-                BranchFigure::new(abscissa, &shown).title(&scene.title).scattered(&laid.scattered(all.len()));
-            for reference in references.iter().filter(|_| abscissa == Abscissa::ModalAmplitude) {
-                figure = figure.mark(0, reference.point, &reference.name);
-            }
-            figure.render()?.styled(&style).write(directory.join(name))?;
-        }
-        figures::participation(directory, scene, all, participation)?;
-        histories::write(directory, &references, &style)?;
+        let shown: Vec<&ModalBranch> = curves.iter().map(|curve| curve.branch()).chain(laid.branches()).collect();
+        figures::frequencies(directory, scene, (&shown, &laid.scattered(curves.len())), &[], &references)?;
+        figures::participation(directory, scene, curves)?;
+        histories::write(directory, &references, &style_of(&scene.files))?;
     }
     if !scene.files.page {
         return Ok(());
     }
     let scenes: Vec<&Scene> = files.iter().map(|file| &file.scene).collect();
+    let certificates: Vec<&Certificate> = parts.iter().filter_map(|part| part.certificates.first()).collect();
     let shown = page::Shown { references: &references, laid, methods, period: None };
-    page::write(directory, &scenes, &first.linear, (branches, certificates), participation, &shown)
+    page::write(directory, &scenes, &first.linear, (&branches, curves, &certificates), &shown)
 }

@@ -5,16 +5,15 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use nlmodes::branches::{BeyondAccuracy, ComputedBranch, ComputedTree};
-use nlmodes::modal::Tongue;
 use nlmodes::report::write_summary;
 use nlmodes::timestep::UNIT_CIRCLE;
 use serde::Serialize;
 
 use super::About;
-use super::reduced::{ContactAt, MotionAt, Reduction};
 use super::sink::branch_directory;
 use crate::Failure;
 use crate::certificate::Certificate;
+use crate::curve::summary::{At, ContactAt, End, Reduction, Resonance, largest_residual};
 use crate::linear::{LinearFrequencies, modal_model};
 use nlmodes_scene::scene::{MethodKind, Scene};
 
@@ -39,7 +38,7 @@ struct Summary<'a> {
     points: usize,
     /// The point whose period is in `motion.pvd`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    motion: Option<MotionAt>,
+    motion: Option<At>,
     events: Vec<EventAt>,
     internal_resonances: Vec<Resonance>,
     stability: Stability,
@@ -172,33 +171,6 @@ impl Stability {
     }
 }
 
-#[derive(Serialize)]
-struct End<'a> {
-    reason: String,
-    message: &'a str,
-    complete: bool,
-}
-
-/// A tongue: where it begins, has its tip and ends.
-#[derive(Serialize)]
-struct Resonance {
-    name: String,
-    harmonic: usize,
-    mode: usize,
-    skipped: bool,
-    start: At,
-    tip: Option<At>,
-    end: Option<At>,
-    energy_j: [f64; 2],
-}
-
-#[derive(Serialize)]
-struct At {
-    point: usize,
-    frequency_hz: f64,
-    energy_j: f64,
-}
-
 /// A branch that leaves another one at a branch point.
 #[derive(Serialize)]
 struct OtherBranch<'a> {
@@ -226,33 +198,11 @@ impl<'a> OtherBranch<'a> {
             reason: branch.end.names(),
             message: branch.end.message.clone(),
             complete: branch.end.complete,
-            largest_residual: largest_residual(computed),
-            internal_resonances: resonances(computed),
+            largest_residual: largest_residual(&computed.branch.points),
+            internal_resonances: Resonance::all(&computed.branch.points, 0),
             certificate,
         }
     }
-}
-
-fn largest_residual(computed: &ComputedBranch) -> f64 {
-    computed.branch.points.iter().fold(0.0, |m, p| p.residual.max(m))
-}
-
-fn resonances(computed: &ComputedBranch) -> Vec<Resonance> {
-    let at = |point: usize| {
-        let found = &computed.branch.points[point];
-        At { point, frequency_hz: found.omega / TAU, energy_j: found.kinetic_energy }
-    };
-    let resonance = |tongue: Tongue| Resonance {
-        name: tongue.resonance.to_string(),
-        harmonic: tongue.resonance.harmonic,
-        mode: tongue.resonance.mode,
-        skipped: tongue.skipped,
-        start: at(tongue.start),
-        tip: (!tongue.skipped).then(|| at(tongue.tip)),
-        end: tongue.end.map(at),
-        energy_j: tongue.energy,
-    };
-    computed.tongues().into_iter().map(resonance).collect()
 }
 
 /// Writes the summary.
@@ -273,7 +223,6 @@ pub fn write(
             energy_over_grazing: point.kinetic_energy / computed.grazing.energy,
         })
     });
-    let end = &computed.branch.end;
     let others = tree.branches.iter().enumerate().skip(1);
     let others = others.map(|(k, b)| OtherBranch::new(k, b, certificates.get(k)));
     let summary = Summary {
@@ -290,18 +239,15 @@ pub fn write(
         },
         method: method_used(scene, computed),
         reduction: about.open.map(|open| Reduction::new(scene, open, computed.grazing.contact)),
-        contacts: about
-            .open
-            .and_then(|open| open.files.as_ref())
-            .map_or(Vec::new(), |(_, found)| ContactAt::all(found)),
+        contacts: ContactAt::all(about.open),
         accuracy: AccuracyUsed::new(scene, computed),
         points: points.len(),
-        motion: about.period.and_then(|period| MotionAt::new(period.point, points)),
+        motion: about.period.and_then(|period| At::of(points, 0, period.point)),
         events: events.collect(),
-        internal_resonances: resonances(computed),
+        internal_resonances: Resonance::all(&computed.branch.points, 0),
         stability: Stability::new(computed),
-        end: End { reason: end.names(), message: &end.message, complete: end.complete },
-        largest_residual: largest_residual(computed),
+        end: End::from(&computed.branch.end),
+        largest_residual: largest_residual(&computed.branch.points),
         certificate: certificates.first(),
         evaluations: computed.evaluations,
         refused_steps: computed.refused_steps,

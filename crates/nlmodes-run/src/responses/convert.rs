@@ -1,11 +1,15 @@
 //! From motions in open modes to points of a curve, which tables, figures and page share with other computations.
 
-use nlmodes::hbm::ResponseRow;
-use nlmodes::modal::{BranchEnd, Driven, HarmonicCoefficients, ModalBranch, ModalPoint};
+use nlmodes::hbm::{HbmError, PeriodicMotion, ResponseRow};
+use nlmodes::modal::{
+    BranchEnd, Driven, HarmonicCoefficients, InternalResonance, ModalBranch, ModalPoint, Participation,
+};
 use nlmodes::response::{Appropriation, ResponseError, ResponseModel, ResponsePoint};
 use nlmodes_scene::scene::ResponseKind;
+use num_complex::Complex64;
 
 use super::model::Model;
+use crate::curve::LINEAR_MODES;
 
 /// What turns motions into points of a curve.
 pub struct Converter<'a> {
@@ -16,6 +20,17 @@ pub struct Converter<'a> {
     subharmonic: usize,
     rows: Vec<ResponseRow>,
     contact: Option<ResponseRow>,
+    /// Angular frequencies of the linear modes, rad/s.
+    omega: Vec<f64>,
+}
+
+/// Modal coordinates of the lowest so many modes in a motion, modes × (H + 1), m √kg.
+pub fn modal_coordinates(motion: &PeriodicMotion, modes: usize) -> HarmonicCoefficients {
+    let mut modal = HarmonicCoefficients::zeros(modes, motion.eta.len().saturating_sub(1));
+    for (n, eta) in motion.eta.iter().enumerate() {
+        eta.iter().take(modes).enumerate().for_each(|(k, eta)| modal.of_mut(k)[n] = *eta);
+    }
+    modal
 }
 
 impl<'a> Converter<'a> {
@@ -27,7 +42,8 @@ impl<'a> Converter<'a> {
     ) -> Result<Self, ResponseError> {
         let rows = model.response().rows_of_dofs(&model.recorded)?;
         let contact = model.response().rows(&model.contacts)?.into_iter().next();
-        Ok(Self { model, system, kind, subharmonic, rows, contact })
+        let omega = model.open_modes().omega_squared().iter().map(|square| square.max(0.0).sqrt()).collect();
+        Ok(Self { model, system, kind, subharmonic, rows, contact, omega })
     }
 
     /// The curve of these motions, of appropriation with the forces of each.
@@ -55,23 +71,46 @@ impl<'a> Converter<'a> {
             let displacement = self.model.response().displacement(row, motion, self.subharmonic);
             coefficients.of_mut(d).copy_from_slice(&displacement);
         }
-        Ok(ModalPoint {
+        let mut found = ModalPoint {
             coefficients,
             stability: appropriated.and_then(|found| found.stability).or(point.stability),
             fundamental: self.fundamental(point),
             driven: Some(self.driven(point, appropriated)?),
             ..point.modal_point()
-        })
+        };
+        found.resonance = found.resonant_harmonic().and_then(|harmonic| {
+            let modal = || Some(modal_coordinates(motion, self.omega.len()));
+            InternalResonance::of_harmonic(harmonic, harmonic as f64 * found.omega, &self.omega, modal)
+        });
+        Ok(found)
+    }
+
+    /// Participation of the lowest linear modes in a point and its motion; the phase is that of the first contact along
+    /// its coordinate.
+    pub fn participation(&self, point: &ModalPoint, motion: &PeriodicMotion) -> Result<Participation, ResponseError> {
+        let anchor = self.contact_harmonics(motion).get(1).copied().unwrap_or_default() * self.first_side();
+        let modal = modal_coordinates(motion, LINEAR_MODES.min(self.omega.len()));
+        Ok(Participation::of_point(point, &modal, anchor).map_err(HbmError::from)?)
+    }
+
+    /// Displacement of the first contact toward its stop, harmonic by harmonic, m.
+    fn contact_harmonics(&self, motion: &PeriodicMotion) -> Vec<Complex64> {
+        let of = |row: &ResponseRow| self.model.response().displacement(row, motion, self.subharmonic);
+        self.contact.as_ref().map_or_else(Vec::new, of)
+    }
+
+    fn first_side(&self) -> f64 {
+        self.model.sides.first().copied().unwrap_or(1.0)
     }
 
     /// Amplitude of the first contact at the frequency of the load, m; of a free motion with the sign of its
     /// displacement at the phase zero.
     fn fundamental(&self, point: &ResponsePoint) -> f64 {
-        let Some(row) = &self.contact else { return f64::NAN };
-        let q = self.model.response().displacement(row, &point.motion, self.subharmonic);
-        let z = q.get(self.subharmonic).copied().unwrap_or_default();
-        let side = self.model.sides.first().copied().unwrap_or(1.0);
-        if self.kind.is_forced() { z.norm() } else { z.norm() * side * z.re.signum() }
+        if self.contact.is_none() {
+            return f64::NAN;
+        }
+        let z = self.contact_harmonics(&point.motion).get(self.subharmonic).copied().unwrap_or_default();
+        if self.kind.is_forced() { z.norm() } else { z.norm() * self.first_side() * z.re.signum() }
     }
 
     fn driven(&self, point: &ResponsePoint, appropriated: Option<&Appropriation>) -> Result<Driven, ResponseError> {

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use nlmodes::branches::Watch;
 use nlmodes::hbm::Coordinates;
-use nlmodes::modal::{ModalBranch, ModalPoint};
+use nlmodes::modal::{ModalBranch, ModalPoint, Participation};
 use nlmodes::response::{
     Appropriation, Cancel, EndReason, Event, ResponseCurve, ResponseError, ResponseModel, ResponsePoint,
     ResponseSettings, StepLog, appropriation, branching_responses, conservative_mode, damped_mode, detached_response,
@@ -31,6 +31,8 @@ pub struct ComputedResponse {
     pub is_detached: bool,
     /// The curve with its name and its end; without points where there is none.
     pub branch: ModalBranch,
+    /// Participation of the lowest linear modes at each point.
+    pub participation: Vec<Participation>,
     /// Of a curve of phase resonances: each one at the levels that were asked for, in the order of the curve.
     pub at_levels: Vec<ModalPoint>,
     /// The motions of its points, if there is a curve.
@@ -146,12 +148,13 @@ pub fn follow(
     let began = Instant::now();
     let cancel = Cancel::new(move || watch.asks_to_end());
     let settings = ResponseSettings { cancel, log: log.clone(), ..settings(model, scene, &job) };
-    let computed = |(branch, at_levels), motions, appropriations| ComputedResponse {
+    let computed = |(branch, participation, at_levels), motions, appropriations| ComputedResponse {
         response: job.response,
         kind: job.wanted.kind,
         level: job.level,
         is_detached: job.from.is_some(),
         branch,
+        participation,
         at_levels,
         motions,
         appropriations,
@@ -177,12 +180,17 @@ pub fn follow(
             let branch = converter.branch(name, &curve.points, &forces, end)?;
             let at_levels =
                 curve.at_levels.iter().map(|point| converter.point(point, None)).collect::<Result<_, _>>()?;
-            all.push(computed((branch, at_levels), Some(curve), forces));
+            let motions = branch.points.iter().zip(&curve.points);
+            let participation =
+                motions.map(|(point, own)| converter.participation(point, &own.motion)).collect::<Result<_, _>>()?;
+            all.push(computed((branch, participation, at_levels), Some(curve), forces));
         }
         Ok(all)
     });
-    followed
-        .unwrap_or_else(|error| vec![computed((model.no_branch(name, chain(&error)), Vec::new()), None, Vec::new())])
+    followed.unwrap_or_else(|error| {
+        let none = (model.no_branch(name, chain(&error)), Vec::new(), Vec::new());
+        vec![computed(none, None, Vec::new())]
+    })
 }
 
 /// What is to be said of forces that were computed and do not hold the mode.

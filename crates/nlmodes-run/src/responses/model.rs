@@ -30,8 +30,6 @@ pub struct Model {
     pub contact_coordinates: Vec<Option<usize>>,
     /// Clearance of each contact at rest, m.
     pub gaps: Vec<f64>,
-    /// Ends at which the structure does not move in the direction of its first contact.
-    pub held_ends: Vec<f64>,
     /// The reduction, where the scene or its structure asks for open modes.
     pub reduction: Option<OpenStructure>,
     /// Unit of the levels.
@@ -124,10 +122,7 @@ impl Model {
         let Reduced { recorded, coordinates, .. } = &parts;
         let contact_coordinates: Vec<Option<usize>> =
             contacts.iter().map(|weights| coordinate(weights, recorded)).collect();
-        let shown = contact_coordinates.first().copied().flatten().unwrap_or(0);
-        let kind = coordinates.get(shown).map(|coordinate| coordinate.kind.clone());
         Ok(Self {
-            held_ends: kind.map_or_else(Vec::new, |kind| parts.held_ends(&kind)),
             gaps: parts.open.gaps().to_vec(),
             response,
             drives,

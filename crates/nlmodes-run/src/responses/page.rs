@@ -3,75 +3,79 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use nlmodes::modal::{ModalBranch, ModalPoint, TimeHistory};
-use nlmodes::report::{DataTable, HtmlReport, StopLine};
+use nlmodes::modal::ModalPoint;
+use nlmodes::report::DataTable;
 use nlmodes_scene::number;
 use nlmodes_scene::scene::Scene;
 
 use super::curves::ComputedResponse;
 use super::figures::{self, Named, kind};
-use super::histories;
 use super::model::Model;
+use super::viewed::Viewed;
 use crate::Failure;
-use crate::certificate::{Certificate, tables};
+use crate::certificate::Certificate;
+use crate::curve::Curve;
+use crate::curve::histories::Reference;
+use crate::curve::page::{self, Certified, Content};
+use crate::curve::space::Period;
 
-/// Samples of a period of each contact that moves on the page.
-const SAMPLES: usize = 1000;
+/// What is on the page beside the curves.
+pub struct Shown<'a> {
+    /// The verification report of all curves.
+    pub certificate: &'a Certificate,
+    /// Differences of what is laid over, in sentences.
+    pub sentences: Vec<String>,
+    /// Whether anything is laid over.
+    pub is_overlaid: bool,
+    /// The figures.
+    pub figures: Vec<Named>,
+    /// Points with time histories.
+    pub references: &'a [Reference],
+    /// The motion of a structure from files.
+    pub period: Option<&'a Period>,
+}
 
 /// Writes the page.
 pub fn write(
     directory: &Path,
-    scene: &Scene,
-    model: &Model,
-    (curves, certificate, sentences): (&[ComputedResponse], &Certificate, &[String]),
-    (figures, is_overlaid): (Vec<Named>, bool),
+    (scene, model): (&Scene, &Model),
+    (curves, all): (&[Viewed<'_>], &[ComputedResponse]),
+    shown: Shown<'_>,
 ) -> Result<(), Failure> {
-    let shown: Vec<&ComputedResponse> = curves.iter().filter(|c| !c.branch.points.is_empty()).collect();
-    let references: Vec<&ModalBranch> = shown.iter().map(|computed| &computed.branch).collect();
-    let motion = |branch: usize, point: usize| -> Option<Vec<TimeHistory>> {
-        let computed = shown[branch];
-        histories::of_point(model, scene, (computed, point), SAMPLES, &computed.branch.label).ok()
+    let each: Vec<&dyn Curve> = curves.iter().map(|curve| curve as &dyn Curve).collect();
+    let (harmonics, modes) = (scene.method.harmonics, model.open_modes().n_modes());
+    let without = all.iter().filter_map(|one| Some(format!("{}: {}", one.branch.label, one.said().err()?)));
+    let content = Content {
+        lines: vec![format!("Damped and forced motions; {harmonics} harmonics, {modes} modes")],
+        further_lines: shown.sentences.into_iter().chain(without).collect(),
+        warnings: model.warnings.clone(),
+        certified: vec![Certified { certificate: shown.certificate, name: None, curve: None }],
+        tables: vec![resonances(model, all)],
+        documents: vec![("Scene as read, in SI units".to_owned(), serde_json::to_value(scene)?)],
+        references: shown.references,
+        period: shown.period,
+        ..Content::default()
     };
-    let harmonics = scene.method.harmonics;
-    let mut report = HtmlReport::new(&scene.title, &references)
-        .line(format!("Damped and forced motions; {harmonics} harmonics, {} modes", model.open_modes().n_modes()))
-        .clamped_at(&model.held_ends)
-        .stops(&stops(model))
-        .kinds(&shown.iter().map(|computed| kind(computed.kind)).collect::<Vec<_>>())
-        .contact_motion(&motion)
-        .table(resonances(model, curves))
-        .document("Scene as read, in SI units", scene)?;
-    for table in tables(certificate, None, None) {
-        report = report.closing_table(table);
-    }
-    for text in &model.warnings {
-        report = report.warning(text);
-    }
-    report = certificate.on_the_head(report, None);
-    for sentence in sentences {
-        report = report.line(sentence.clone());
-    }
-    for computed in curves {
-        if let Err(why) = computed.said() {
-            report = report.line(format!("{}: {why}", computed.branch.label));
+    let (figures, is_overlaid) = (shown.figures, shown.is_overlaid);
+    page::write(directory, scene, &each, content, |mut report| {
+        report = report.kinds(&curves.iter().map(|curve| kind(curve.kind())).collect::<Vec<_>>());
+        for (label, value) in quantities(model.unit) {
+            let of = |curve: &&dyn Curve| curve.branch().points.iter().map(value).collect();
+            report = report.quantity(label, each.iter().map(of).collect());
         }
-    }
-    for (label, value) in quantities(model.unit) {
-        let of = |computed: &&ComputedResponse| computed.branch.points.iter().map(value).collect();
-        report = report.quantity(label, shown.iter().map(of).collect());
-    }
-    for (k, (name, title, figure)) in figures.into_iter().enumerate() {
-        report = match (k, axes(name)) {
-            // What is laid over stands in the figure as it was written.
-            (0, Some(axes)) if is_overlaid => {
-                report.main_figure(title, figure.clone(), axes).leading_figure(title, figure)
-            }
-            (0, Some(axes)) => report.main_figure(title, figure, axes),
-            (0, None) => report.leading_figure(title, figure),
-            _ => report.figure(title, figure),
-        };
-    }
-    Ok(report.write(directory.join("report.html"))?)
+        for (k, (name, title, figure)) in figures.into_iter().enumerate() {
+            report = match (k, axes(name)) {
+                // What is laid over stands in the figure as it was written.
+                (0, Some(axes)) if is_overlaid => {
+                    report.main_figure(title, figure.clone(), axes).leading_figure(title, figure)
+                }
+                (0, Some(axes)) => report.main_figure(title, figure, axes),
+                (0, None) => report.leading_figure(title, figure),
+                _ => report.figure(title, figure),
+            };
+        }
+        report
+    })
 }
 
 /// A quantity of the page: its name with its unit, and what a point has of it.
@@ -95,18 +99,6 @@ fn axes(figure: &str) -> Option<[&'static str; 2]> {
         "drive.svg" => Some(["frequency", "quantity1"]),
         _ => None,
     }
-}
-
-/// The stops that have a coordinate.
-pub fn stops(model: &Model) -> Vec<StopLine> {
-    let line = |(i, gap): (usize, &f64)| {
-        Some(StopLine {
-            coordinate: model.contact_coordinates.get(i).copied().flatten()?,
-            position: model.sides[i] * gap,
-            positive: model.sides[i] > 0.0,
-        })
-    };
-    model.gaps.iter().enumerate().filter_map(line).collect()
 }
 
 /// Phase resonances at the levels of the scene.

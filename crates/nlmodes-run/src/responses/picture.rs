@@ -1,8 +1,6 @@
 //! The first curve of a scene with responses, without files, as data of the page.
 
 use nlmodes::branches::Watch;
-use nlmodes::modal::{ModalBranch, TimeHistory};
-use nlmodes::report::HtmlReport;
 use nlmodes::response::StepLog;
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::Structures;
@@ -10,13 +8,9 @@ use nlmodes_scene::scene::StabilityChoice;
 
 use super::curves::{follow, jobs};
 use super::model::Model;
-use super::{histories, page};
-use crate::{Failure, RunError};
-
-/// Most points: somebody waits for them.
-const MOST_POINTS: usize = 600;
-/// Instants of a period of the contacts.
-const SAMPLES: usize = 120;
+use super::viewed::viewed;
+use crate::RunError;
+use crate::curve::picture::{self, MOST_POINTS};
 
 /// Computes the first curve of the first response, at its first level, without stability.
 ///
@@ -38,17 +32,8 @@ pub fn picture(file: &SceneFile, watch: &Watch, structures: &Structures) -> Resu
     if let Err(why) = first.said() {
         return Err(file.error_at("response", why, "this response", &[]).into());
     }
-    let branches: [&ModalBranch; 1] = [&first.branch];
-    let motion = |_: usize, point: usize| -> Option<Vec<TimeHistory>> {
-        if watch.asks_to_end() {
-            return None;
-        }
-        histories::of_point(&model, scene, (first, point), SAMPLES, &name).ok()
-    };
-    let report = HtmlReport::new(&scene.title, &branches)
-        .clamped_at(&model.held_ends)
-        .stops(&page::stops(&model))
-        .contact_motion(&motion);
-    let text = report.data().map_err(|error| RunError::Files(Failure::from(error)))?;
-    if watch.has_ended() { Err(RunError::Ended) } else { Ok(text) }
+    match viewed(scene, &model, &curves).first() {
+        Some(first) => picture::picture(scene, first, watch),
+        None => Err(RunError::Ended),
+    }
 }

@@ -218,23 +218,6 @@ impl Reduced {
         triplets(self.open.directions()).for_each(|(dof, contact, w)| all[contact].push((dof, -w)));
         all
     }
-
-    /// Positions along the axis that have no coordinate of this kind because they are fixed.
-    pub fn held_ends(&self, kind: &str) -> Vec<f64> {
-        let number = kind.rsplit('-').next().and_then(|number| number.parse::<usize>().ok());
-        let elements = match (&self.source, number) {
-            (Source::Straight { elements, .. }, _) => Some(elements),
-            (Source::Several(bodies), Some(number)) => {
-                number.checked_sub(1).and_then(|i| bodies.get(i)).map(|body| &body.elements)
-            }
-            _ => None,
-        };
-        let Some(elements) = elements else { return Vec::new() };
-        let length = elements.mesh().length();
-        let moves =
-            |at: f64| self.coordinates.iter().any(|c| c.kind == kind && (c.position - at).abs() < 1e-9 * length);
-        [0.0, length].into_iter().filter(|at| !moves(*at)).collect()
-    }
 }
 
 /// The motion of a node in a direction.

@@ -13,13 +13,15 @@ use super::model::Model;
 use super::tables::points;
 use crate::Failure;
 use crate::certificate::Certificate;
+use crate::curve::space::Period;
+use crate::curve::summary::{At, ContactAt, End, Reduction, Resonance, largest_residual};
 
 /// Writes it.
 pub fn write(
     directory: &Path,
-    scene: &Scene,
-    model: &Model,
+    (scene, model): (&Scene, &Model),
     (curves, certificate): (&[ComputedResponse], &Certificate),
+    period: Option<&Period>,
     began: Instant,
 ) -> Result<(), Failure> {
     let hertz: Vec<f64> =
@@ -32,17 +34,23 @@ pub fn write(
         all.push(curve(computed, first));
         first += computed.branch.points.len();
     }
+    let open = model.reduction.as_ref();
+    let shown = curves.iter().find(|computed| !computed.branch.points.is_empty());
+    let motion = period.zip(shown).and_then(|(period, first)| At::of(&first.branch.points, 0, period.point));
     let content = json!({
         "program": "nlmodes-cli",
         "version": env!("CARGO_PKG_VERSION"),
         "scene": scene,
         "open_frequencies_hz": hertz,
         "open_damping_ratios": (0..hertz.len()).map(ratio).collect::<Vec<f64>>(),
+        "reduction": open.map(|open| Reduction::new(scene, open, 0)),
+        "contacts": ContactAt::all(open),
+        "motion": motion,
         "level_unit": model.unit,
         "points": first,
         "curves": all,
         "complete": curves.iter().all(ComputedResponse::is_complete),
-        "largest_residual": points(curves).map(|(_, _, point)| point.residual).fold(0.0, f64::max),
+        "largest_residual": largest_residual(points(curves).map(|(_, _, point)| point)),
         "largest_power_imbalance": imbalance(curves),
         "certificate": certificate,
         "wall_time_s": began.elapsed().as_secs_f64(),
@@ -84,9 +92,10 @@ fn curve(computed: &ComputedResponse, first: usize) -> Value {
         "first_point": first,
         "points": branch.points.len(),
         "events": events.collect::<Vec<Value>>(),
+        "internal_resonances": Resonance::all(&branch.points, first),
         "phase_resonances": computed.at_levels.iter().map(at).collect::<Vec<Value>>(),
         "points_of_uncertain_stability": unknown,
-        "end": { "reason": branch.end.names(), "message": branch.end.message, "complete": branch.end.complete },
+        "end": End::from(&branch.end),
         "wall_time_s": computed.wall_time.as_secs_f64(),
     })
 }

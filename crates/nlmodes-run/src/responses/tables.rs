@@ -1,14 +1,18 @@
-//! Tables of the points: `branch.csv`, `contacts.csv`, `harmonics.npz`, `appropriation.csv`.
+//! Tables of the points that other curves do not have: `branch.csv`, `appropriation.csv`.
 
 use std::fs;
 use std::path::Path;
 
-use nlmodes::modal::{ModalBranch, ModalPoint};
-use nlmodes::report::columns::{BranchRow, ResponseOf, ResponseRow, Row};
-use nlmodes::report::{ReportError, write_contacts, write_harmonics, write_rows};
+use nlmodes::modal::ModalPoint;
+use nlmodes::report::columns::{BranchRow, ResponseRow, Row};
+use nlmodes::report::{ReportError, write_rows};
+use nlmodes_scene::scene::Scene;
 
 use super::curves::ComputedResponse;
+use super::model::Model;
+use super::viewed::viewed;
 use crate::Failure;
+use crate::curve::Curve;
 use crate::forces::{self, Forces};
 
 /// All points of the curves in the order of `branch.csv`, with the curve of each.
@@ -20,21 +24,19 @@ pub fn points(curves: &[ComputedResponse]) -> impl Iterator<Item = (usize, &Comp
 }
 
 /// Writes `branch.csv` of the curves that are there.
-pub fn write_points(directory: &Path, unit: &str, curves: &[ComputedResponse]) -> Result<(), ReportError> {
+pub fn write_points(
+    directory: &Path,
+    scene: &Scene,
+    model: &Model,
+    curves: &[ComputedResponse],
+) -> Result<(), ReportError> {
     fs::create_dir_all(directory).map_err(|source| ReportError::Io { path: directory.to_path_buf(), source })?;
-    let row = |(index, (curve, computed, point)): (usize, (usize, &ComputedResponse, &ModalPoint))| {
-        let of = ResponseOf {
-            response: computed.response + 1,
-            kind: computed.kind.name(),
-            curve,
-            name: &computed.branch.label,
-            is_detached: computed.is_detached,
-            unit,
-        };
-        (BranchRow::of(index, point), ResponseRow::of(of, point))
-    };
-    let like = (BranchRow::unknown(), ResponseRow::unknown());
-    write_rows(directory.join("branch.csv"), &like, points(curves).enumerate().map(row))
+    let shown = viewed(scene, model, curves);
+    let rows = shown.iter().flat_map(|one| (0..one.branch().points.len()).map(move |k| (one, k)));
+    let rows = rows.enumerate().filter_map(|(index, (one, k))| {
+        Some((BranchRow::of(index, one.branch().points.get(k)?), one.response_row(k)?))
+    });
+    write_rows(directory.join("branch.csv"), &(BranchRow::unknown(), ResponseRow::unknown()), rows)
 }
 
 /// Writes `appropriation.csv`, the forces of each drive point in each harmonic, where they were computed.
@@ -54,13 +56,4 @@ pub fn write_forces(directory: &Path, curves: &[ComputedResponse]) -> Result<(),
         first += computed.branch.points.len();
     }
     forces::write(directory, &rows)
-}
-
-/// Writes `contacts.csv` and `harmonics.npz` of all points, in the order of `branch.csv`.
-pub fn write_motions(directory: &Path, curves: &[ComputedResponse]) -> Result<(), Failure> {
-    let Some(first) = curves.first() else { return Ok(()) };
-    let points = points(curves).map(|(_, _, point)| point.clone()).collect();
-    let all = ModalBranch { points, ..first.branch.clone() };
-    write_contacts(directory.join("contacts.csv"), &all)?;
-    Ok(write_harmonics(directory.join("harmonics.npz"), &all)?)
 }

@@ -2,6 +2,7 @@
 //! once.
 
 mod bodies;
+mod curves;
 mod overlays;
 mod passages;
 mod threads;

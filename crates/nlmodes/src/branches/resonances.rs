@@ -1,10 +1,6 @@
 use nlmodes_hbm::{CondensedStructure, Projection};
-use nlmodes_modal::{HarmonicCoefficients, InternalResonance, ModalPoint, RESONANT_SHARE};
+use nlmodes_modal::{DETUNING, HarmonicCoefficients, InternalResonance, ModalPoint};
 use nlmodes_model::{LinearModes, open_modes};
-
-/// Largest relative distance of `nω` from an eigenfrequency that a resonance may have: the frequency of a strongly
-/// excited mode shifts by its own contacts.
-const DETUNING: f64 = 0.05;
 
 /// Recognises internal resonances of a structure; its linear modes are computed when they are first needed.
 pub(super) struct Resonances<'s> {
@@ -28,10 +24,7 @@ impl<'s> Resonances<'s> {
         point: &ModalPoint,
         project: impl FnOnce(&Projection) -> Option<HarmonicCoefficients>,
     ) -> Option<InternalResonance> {
-        let (harmonic, share) = point.largest_higher_harmonic()?;
-        if share < RESONANT_SHARE {
-            return None;
-        }
+        let harmonic = point.resonant_harmonic()?;
         let frequency = harmonic as f64 * point.omega;
         if self.known < frequency * (1.0 + DETUNING) {
             self.known = 2.0 * frequency;
@@ -39,14 +32,7 @@ impl<'s> Resonances<'s> {
                 .map(|modes| (Projection::new(self.structure, &modes), modes.omega));
         }
         let (onto, omega) = self.modes.as_ref()?;
-        let near: Vec<usize> = (0..omega.len()).filter(|&k| (frequency / omega[k] - 1.0).abs() < DETUNING).collect();
-        if near.is_empty() {
-            return None;
-        }
-        let modal = project(onto)?;
-        let participation = |k: usize| modal.of(k)[harmonic].norm_sqr();
-        let mode = near.into_iter().max_by(|&i, &j| participation(i).total_cmp(&participation(j)))?;
-        Some(InternalResonance { harmonic, mode: mode + 1 })
+        InternalResonance::of_harmonic(harmonic, frequency, omega, || project(onto))
     }
 }
 

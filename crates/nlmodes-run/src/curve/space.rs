@@ -3,14 +3,12 @@
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
-use nlmodes::branches::{ComputedBranch, ComputedTree, Histories, figure_points};
-use nlmodes::linalg::Mat;
-use nlmodes::modal::TimeHistory;
 use nlmodes::report::{ReportError, Wireframe};
 use nlmodes_io::{Component, FeModel, Mesh, NodeContact, PointField, Skin, Surface};
 use nlmodes_scene::assemble::OpenStructure;
 use nlmodes_scene::scene::Scene;
 
+use super::{Curve, Frames};
 use crate::Failure;
 
 /// Frames of a period.
@@ -37,17 +35,17 @@ impl Period {
     ///
     /// # Errors
     /// [`Failure`] if a point cannot be evaluated again.
-    pub fn of(open: Option<&OpenStructure>, tree: &ComputedTree) -> Result<Option<Self>, Failure> {
-        let (Some(open), Some(computed)) = (open, tree.branches.first()) else { return Ok(None) };
+    pub fn of(open: Option<&OpenStructure>, curve: &dyn Curve) -> Result<Option<Self>, Failure> {
+        let Some(open) = open else { return Ok(None) };
         let Some((model, contacts)) = &open.files else { return Ok(None) };
-        let (Some(mesh), Some(&point)) = (&model.mesh, figure_points(&computed.branch).last()) else { return Ok(None) };
+        let (Some(mesh), Some(&point)) = (&model.mesh, curve.pictured().last()) else { return Ok(None) };
         let touching: Vec<usize> = contacts
             .iter()
             .flat_map(|c| std::iter::once(c.node).chain(c.against))
             .filter_map(|n| mesh.index_of(n))
             .collect();
         let (surface, skin) = (Surface::new(mesh, &touching), Skin::of(mesh));
-        let motion = Motion::new(open, model, (mesh, &skin), &surface, computed, point)?;
+        let motion = Motion::new(open, model, (mesh, &skin), &surface, curve, point)?;
         let frames: Vec<Frame> = (0..FRAMES).map(|k| motion.frame(k)).collect();
         let wireframe = wireframe(format!("Point {point}"), (mesh, &skin), &surface, &frames, &motion.ends);
         let dependent = motion.dependent();
@@ -131,13 +129,11 @@ fn wireframe(
 struct Motion<'a> {
     open: &'a OpenStructure,
     period: f64,
-    histories: Vec<TimeHistory>,
+    frames: Frames,
     /// Numbers of the nodes of the surface.
     numbers: Vec<u64>,
     /// For each point of the surface, where each of its displacements is found.
     places: Vec<[Source; 3]>,
-    /// One column a frame.
-    displacements: Mat<f64>,
     ends: Vec<End>,
 }
 
@@ -196,7 +192,7 @@ impl<'a> Motion<'a> {
         model: &FeModel,
         (mesh, skin): (&Mesh, &Skin),
         surface: &Surface,
-        computed: &ComputedBranch,
+        curve: &dyn Curve,
         point: usize,
     ) -> Result<Self, Failure> {
         let mut dofs = Vec::new();
@@ -219,18 +215,9 @@ impl<'a> Motion<'a> {
             ends.extend(both.filter_map(|(node, sign)| Some(End { place: *at.get(&node)?, contact, sign, area: 0.0 })));
         }
         find_areas(&mut ends, contacts, surface, (mesh, skin));
-        let histories = Histories::of(computed).equidistant(point, FRAMES, "")?;
-        let forces = Mat::from_fn(histories.len(), FRAMES, |i, k| histories[i].force[k]);
-        let coefficients = &computed.branch.points[point].coefficients;
-        let eta = Mat::from_fn(open.modes.n_modes(), FRAMES, |r, k| {
-            let tau = TAU * k as f64 / FRAMES as f64;
-            let harmonics = coefficients.of(r).iter().enumerate();
-            harmonics.map(|(n, q)| q.re * (n as f64 * tau).cos() - q.im * (n as f64 * tau).sin()).sum()
-        });
         Ok(Self {
-            displacements: open.modes.displacements(&dofs, &eta, &forces),
-            period: TAU / computed.branch.points[point].omega,
-            histories,
+            frames: curve.frames(open, point, &dofs, FRAMES)?,
+            period: TAU / curve.branch().points[point].omega,
             open,
             numbers,
             places,
@@ -245,9 +232,9 @@ impl<'a> Motion<'a> {
     }
 
     fn frame(&self, k: usize) -> Frame {
-        let forces: Vec<f64> = self.histories.iter().map(|history| history.force[k]).collect();
+        let forces: Vec<f64> = self.frames.contacts.iter().map(|history| history.force[k]).collect();
         let value = |source: Source| match source {
-            Source::Row(row) => self.displacements[(row, k)],
+            Source::Row(row) => self.frames.displacements[(row, k)],
             Source::Held => 0.0,
             Source::Unknown => f64::NAN,
         };
@@ -256,7 +243,7 @@ impl<'a> Motion<'a> {
         let mut pressure = vec![f64::NAN; if self.ends.iter().any(|end| end.area > 0.0) { gap.len() } else { 0 }];
         let contacts = self.open.files.as_ref().map_or(&[][..], |(_, contacts)| contacts);
         for &End { place, contact: i, sign, area } in &self.ends {
-            let history = &self.histories[i];
+            let history = &self.frames.contacts[i];
             if area > 0.0 {
                 // A node before two walls presses against both.
                 pressure[place] = forces[i] / area + if pressure[place].is_nan() { 0.0 } else { pressure[place] };

@@ -1,23 +1,22 @@
-//! Time histories of the contacts at the points that are named in figures (Fig. 9): of one branch, or of several
+//! Time histories of the contacts at the points that are named in figures (Fig. 9): of one curve, or of several
 //! methods over each other.
 
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use nlmodes::branches::{BranchError, ComputedBranch, Histories, figure_points, reference_points};
 use nlmodes::modal::TimeHistory;
 use nlmodes::report::{FigureStyle, HistoryFigure, PointHistories};
 use nlmodes_scene::scene::OutputFiles;
 
-use super::stops;
+use super::{Curve, stops};
 use crate::Failure;
 
 /// Most curves over each other.
-const MAX_CURVES: usize = 8;
+pub const MAX_CURVES: usize = 8;
 /// Most stops with a figure of their own where several branches are compared.
 const MAX_STOPS: usize = 4;
 /// Instants of a period.
-const SAMPLES: usize = 1000;
+pub const SAMPLES: usize = 1000;
 
 /// Motions of one or several branches with the same modal amplitude.
 #[derive(Debug)]
@@ -29,9 +28,9 @@ pub struct Reference {
     /// Point of the first branch next to it.
     pub point: usize,
     /// What stands above its figures.
-    title: String,
+    pub title: String,
     /// A period of each branch that has such a point: all of its contacts.
-    motions: Vec<Vec<TimeHistory>>,
+    pub motions: Vec<Vec<TimeHistory>>,
 }
 
 /// Curves over each other, and what they are.
@@ -95,72 +94,23 @@ fn most_loaded(stops: &[TimeHistory], most: usize) -> Vec<usize> {
     chosen
 }
 
-/// The reference points of one branch, with its motion there.
+/// The reference points of one curve, with its motion there.
 ///
 /// # Errors
-/// [`BranchError`] if a point cannot be evaluated again.
-pub fn own_references(computed: &ComputedBranch) -> Result<Vec<Reference>, BranchError> {
-    let mut histories = Histories::of(computed);
+/// If a point cannot be evaluated again.
+pub fn own_references(curve: &dyn Curve) -> Result<Vec<Reference>, Failure> {
+    let branch = curve.branch();
     let of = |(k, point): (usize, usize)| {
-        let found = &computed.branch.points[point];
-        let mut motion = histories.at(point, SAMPLES, &computed.branch.label)?;
+        let found = &branch.points[point];
+        let mut motion = curve.histories(point, SAMPLES, &branch.label)?;
         if motion.len() > 1 {
-            motion.iter_mut().zip(stops::names(computed)).for_each(|(history, name)| history.label = name);
+            motion.iter_mut().zip(stops::names(curve)).for_each(|(history, name)| history.label = name);
         }
-        let title = format!("P{} (point {point}, {:.4} Hz)", k + 1, found.omega / TAU);
+        let title = format!("P{} (point {point}, {:.4} Hz)", k + 1, found.listed_omega() / TAU);
         let name = format!("P{}", k + 1);
         Ok(Reference { name, amplitude: found.modal_amplitude, point, title, motions: vec![motion] })
     };
-    reference_points(&computed.branch).into_iter().enumerate().map(of).collect()
-}
-
-/// The reference points of the first branch, or the largest amplitude that all branches reach where these do not go as
-/// far, with the motion of each branch there.
-///
-/// # Errors
-/// If a periodic problem cannot be evaluated.
-pub fn references(all: &[&ComputedBranch]) -> Result<Vec<Reference>, Failure> {
-    let Some(first) = all.first() else { return Ok(Vec::new()) };
-    let shown = &all[..all.len().min(MAX_CURVES)];
-    let highest = |branch: &ComputedBranch| branch.branch.points.iter().map(|p| p.modal_amplitude).fold(0.0, f64::max);
-    let common = shown.iter().map(|branch| highest(branch)).fold(f64::INFINITY, f64::min);
-    let points = &first.branch.points;
-    let mut found: Vec<Reference> = Vec::new();
-    for (number, point) in reference_points(&first.branch).into_iter().enumerate() {
-        let amplitude = points[point].modal_amplitude.min(common);
-        if found.iter().any(|reference| reference.amplitude == amplitude) {
-            continue;
-        }
-        let mut motions = Vec::new();
-        for branch in shown {
-            let Some(solution) = branch.at_amplitude(amplitude, points[point].omega)? else { continue };
-            let label = format!("{}: {:.4} Hz", branch.branch.label, solution.point.omega / TAU);
-            let mut motion = Histories::of(branch).between(&solution, SAMPLES, &label)?;
-            if motion.len() > 1 {
-                let names = stops::names(branch).into_iter();
-                motion.iter_mut().zip(names).for_each(|(history, name)| history.label = format!("{label}, {name}"));
-            }
-            motions.push(motion);
-        }
-        let off = |k: &usize| (points[*k].modal_amplitude - amplitude).abs();
-        let near = if points[point].modal_amplitude == amplitude {
-            Some(point)
-        } else {
-            (0..points.len()).min_by(|a, b| off(a).total_cmp(&off(b)))
-        };
-        // Where a branch does not go as far as the point of the first one, it is another point, and has another name.
-        let name = match amplitude < points[point].modal_amplitude {
-            true => "common".to_owned(),
-            false => format!("P{}", number + 1),
-        };
-        let size = stops::short(amplitude);
-        let title = match amplitude < points[point].modal_amplitude {
-            true => format!("largest modal amplitude of all branches, {size} m √kg"),
-            false => format!("{name}: equal modal amplitude, {size} m √kg"),
-        };
-        found.push(Reference { name, amplitude, point: near.unwrap_or(point), title, motions });
-    }
-    Ok(found)
+    curve.references().into_iter().enumerate().map(of).collect()
 }
 
 /// Writes the figures of displacement, velocity, acceleration and contact force of each reference.
@@ -175,22 +125,29 @@ pub fn write(directory: &Path, references: &[Reference], style: &FigureStyle) ->
     Ok(())
 }
 
-/// Motions of the contacts at the points that figures and page show, if there are any, and at those that are asked for;
-/// no more than the branch has.
+/// Motions of the contacts at the points that figures and page show, if there are any: of the first curve those of
+/// pictures too, of all their references; and at those that are asked for, by their numbers in the table of all curves.
 ///
 /// # Errors
-/// [`BranchError`] if a point cannot be evaluated again.
-pub fn of_points(computed: &ComputedBranch, files: &OutputFiles) -> Result<PointHistories, BranchError> {
-    let mut points = files.histories.clone();
-    if files.figures || files.page {
-        points.extend(figure_points(&computed.branch).into_iter().chain(reference_points(&computed.branch)));
+/// If a point cannot be evaluated again.
+pub fn of_points(curves: &[&dyn Curve], files: &OutputFiles) -> Result<PointHistories, Failure> {
+    let (mut wanted, mut first) = (Vec::new(), 0);
+    for (number, curve) in curves.iter().enumerate() {
+        let count = curve.branch().points.len();
+        let own = files.histories.iter().filter_map(|point| point.checked_sub(first)).filter(|point| *point < count);
+        let mut points: Vec<usize> = own.collect();
+        if files.figures || files.page {
+            points.extend(if number == 0 { curve.pictured() } else { Vec::new() });
+            points.extend(curve.references());
+        }
+        points.sort_unstable();
+        points.dedup();
+        wanted.extend(points.into_iter().map(|point| (*curve, first, point)));
+        first += count;
     }
-    points.retain(|point| *point < computed.branch.points.len());
-    points.sort_unstable();
-    points.dedup();
-    let mut histories = Histories::of(computed);
-    let mut all = |samples: usize| {
-        let motions = points.iter().map(|point| histories.at(*point, samples, "")).collect::<Result<Vec<_>, _>>();
+    let all = |samples: usize| {
+        let motion = |(curve, _, point): &(&dyn Curve, usize, usize)| curve.histories(*point, samples, "");
+        let motions = wanted.iter().map(motion).collect::<Result<Vec<_>, _>>();
         let longest = |motions: &[Vec<TimeHistory>]| motions.iter().flatten().map(|h| h.time.len()).max();
         motions.map(|motions| (longest(&motions).unwrap_or(0), motions))
     };
@@ -199,5 +156,5 @@ pub fn of_points(computed: &ComputedBranch, files: &OutputFiles) -> Result<Point
     while motions.iter().flatten().any(|history| history.time.len() != longest) {
         (longest, motions) = all(longest - 1)?;
     }
-    Ok(PointHistories { points, motions })
+    Ok(PointHistories { points: wanted.iter().map(|(_, first, point)| first + point).collect(), motions })
 }

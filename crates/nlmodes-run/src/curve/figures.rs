@@ -1,0 +1,75 @@
+//! Figures that all curves have.
+
+use std::path::Path;
+
+use nlmodes::modal::{ModalBranch, Participation};
+use nlmodes::report::{Abscissa, BranchFigure, ContactFigure, Figure, MotionFigure, ParticipationFigure, ReportError};
+use nlmodes_scene::scene::Scene;
+
+use super::histories::Reference;
+use super::{Curve, SHOWN_MODES, stops};
+use crate::Failure;
+use crate::style::style_of;
+
+/// Writes what the contacts of the first curve do over frequency, the participation of linear modes in all, and
+/// pictures of the motion of the first: `contacts.svg`, `participation.svg`, `motion_1.svg` …; `title` stands above what
+/// is of the first.
+pub fn write(directory: &Path, scene: &Scene, curves: &[&dyn Curve], title: &str) -> Result<(), Failure> {
+    let Some(curve) = curves.first().copied() else { return Ok(()) };
+    let (branch, style) = (curve.branch(), style_of(&scene.files));
+    if let Some(contacts) = drawn(ContactFigure::new(branch, &stops::names(curve)).title(title).render())? {
+        contacts.styled(&style).write(directory.join("contacts.svg"))?;
+    }
+    participation(directory, scene, curves)?;
+    let (held, stops) = (stops::held_ends(scene, branch), curve.stops());
+    for (k, point) in curve.pictured().iter().enumerate().filter(|_| stops::are_along_an_axis(branch)) {
+        let figure = match MotionFigure::new(branch, *point).clamped_at(&held).stops(&stops).render() {
+            // One unknown has no shape.
+            Err(ReportError::TooFewPositions { .. }) => break,
+            figure => figure?,
+        };
+        figure.styled(&style).write(directory.join(format!("motion_{}.svg", k + 1)))?;
+    }
+    Ok(())
+}
+
+/// Writes the participation of the lowest linear modes, `participation.svg`.
+pub fn participation(directory: &Path, scene: &Scene, curves: &[&dyn Curve]) -> Result<(), Failure> {
+    let pairs: Vec<(&ModalBranch, &[Participation])> =
+        curves.iter().map(|curve| (curve.branch(), curve.participation())).collect();
+    let first = pairs.iter().find_map(|(_, found)| found.first());
+    let modes = first.map_or(0, |found| found.energy_shares.len()).min(SHOWN_MODES);
+    if let Some(figure) = drawn(ParticipationFigure::new(&pairs, modes).title(&scene.title).render())? {
+        figure.styled(&style_of(&scene.files)).write(directory.join("participation.svg"))?;
+    }
+    Ok(())
+}
+
+/// A figure; none where there is nothing to draw.
+pub fn drawn(figure: Result<Figure, ReportError>) -> Result<Option<Figure>, ReportError> {
+    match figure {
+        Err(ReportError::NothingToDraw { .. }) => Ok(None),
+        figure => figure.map(Some),
+    }
+}
+
+/// Writes frequency over energy, with the points of pictures of the first branch, and over modal amplitude, with its
+/// references: `frequency_energy.svg`, `frequency_amplitude.svg`.
+pub fn frequencies(
+    directory: &Path,
+    scene: &Scene,
+    (shown, scattered): (&[&ModalBranch], &[usize]),
+    pictured: &[usize],
+    references: &[Reference],
+) -> Result<(), Failure> {
+    let style = style_of(&scene.files);
+    let figure = |abscissa| BranchFigure::new(abscissa, shown).title(&scene.title).scattered(scattered);
+    let pictured = pictured.iter().enumerate();
+    let energy = pictured.fold(figure(Abscissa::Energy), |f, (k, point)| f.mark(0, *point, (k + 1).to_string()));
+    energy.render()?.styled(&style).write(directory.join("frequency_energy.svg"))?;
+    let mut amplitude = figure(Abscissa::ModalAmplitude);
+    for reference in references {
+        amplitude = amplitude.mark(0, reference.point, &reference.name);
+    }
+    Ok(amplitude.render()?.styled(&style).write(directory.join("frequency_amplitude.svg"))?)
+}

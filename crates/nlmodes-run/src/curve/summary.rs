@@ -1,0 +1,125 @@
+//! Entries of `summary.json` that all curves have.
+
+use std::f64::consts::TAU;
+
+use nlmodes::modal::{BranchEnd, ModalPoint, Tongue, tongues};
+use nlmodes_io::NodeContact;
+use nlmodes_scene::assemble::OpenStructure;
+use nlmodes_scene::scene::Scene;
+use serde::Serialize;
+
+/// The reduction to free-interface modes.
+#[derive(Serialize)]
+pub struct Reduction {
+    kind: &'static str,
+    modes: usize,
+    highest_frequency_hz: f64,
+    /// By how much half as many modes change the frequency of the scene's mode with its first contact closed; none
+    /// where they do not reach it.
+    half_as_many_change_frequency_by: Option<f64>,
+}
+
+impl Reduction {
+    /// With the mode of the scene and one of its contacts closed.
+    pub fn new(scene: &Scene, open: &OpenStructure, contact: usize) -> Self {
+        Self {
+            kind: "open-modes",
+            modes: open.modes.n_modes(),
+            highest_frequency_hz: open.highest_hz(),
+            half_as_many_change_frequency_by: open.truncation_error(scene.method.mode, contact),
+        }
+    }
+}
+
+/// A point of a curve.
+#[derive(Serialize)]
+pub struct At {
+    point: usize,
+    frequency_hz: f64,
+    energy_j: f64,
+}
+
+impl At {
+    /// Point `point` of a curve whose first one has the number `first` in the table.
+    pub fn of(points: &[ModalPoint], first: usize, point: usize) -> Option<Self> {
+        let found = points.get(point)?;
+        Some(Self { point: first + point, frequency_hz: found.listed_omega() / TAU, energy_j: found.kinetic_energy })
+    }
+}
+
+/// A tongue: where it begins, has its tip and ends.
+#[derive(Serialize)]
+pub struct Resonance {
+    name: String,
+    harmonic: usize,
+    mode: usize,
+    skipped: bool,
+    start: Option<At>,
+    tip: Option<At>,
+    end: Option<At>,
+    energy_j: [f64; 2],
+}
+
+impl Resonance {
+    /// The tongues of a curve whose first point has the number `first` in the table.
+    pub fn all(points: &[ModalPoint], first: usize) -> Vec<Self> {
+        let at = |point: usize| At::of(points, first, point);
+        let of = |tongue: Tongue| Self {
+            name: tongue.resonance.to_string(),
+            harmonic: tongue.resonance.harmonic,
+            mode: tongue.resonance.mode,
+            skipped: tongue.skipped,
+            start: at(tongue.start),
+            tip: (!tongue.skipped).then(|| at(tongue.tip)).flatten(),
+            end: tongue.end.and_then(at),
+            energy_j: tongue.energy,
+        };
+        tongues(points).into_iter().map(of).collect()
+    }
+}
+
+/// Why a curve has no further points.
+#[derive(Serialize)]
+pub struct End<'a> {
+    reason: String,
+    message: &'a str,
+    complete: bool,
+}
+
+impl<'a> From<&'a BranchEnd> for End<'a> {
+    fn from(end: &'a BranchEnd) -> Self {
+        Self { reason: end.names(), message: &end.message, complete: end.complete }
+    }
+}
+
+/// Largest scaled residual of these points.
+pub fn largest_residual<'p>(points: impl IntoIterator<Item = &'p ModalPoint>) -> f64 {
+    points.into_iter().fold(0.0, |m, p| p.residual.max(m))
+}
+
+/// A contact, by its nodes.
+#[derive(Serialize)]
+pub struct ContactAt {
+    /// Its number in `contacts.csv`.
+    contact: usize,
+    node: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    against: Option<u64>,
+    normal: [f64; 3],
+    gap_m: f64,
+}
+
+impl ContactAt {
+    /// The contacts of a structure from files; none of others.
+    pub fn all(open: Option<&OpenStructure>) -> Vec<Self> {
+        let contacts = open.and_then(|open| open.files.as_ref()).map_or(&[][..], |(_, found)| found);
+        let of = |(contact, c): (usize, &NodeContact)| Self {
+            contact,
+            node: c.node,
+            against: c.against,
+            normal: c.normal,
+            gap_m: c.gap,
+        };
+        contacts.iter().enumerate().map(of).collect()
+    }
+}

@@ -1,0 +1,160 @@
+//! A response as a curve of which files, figures and page are made.
+
+use std::f64::consts::TAU;
+
+use nlmodes::branches::way_points;
+use nlmodes::modal::{ContactInstant, ModalBranch, Participation, TimeHistory};
+use nlmodes::report::StopLine;
+use nlmodes::report::columns::{ResponseOf, ResponseRow};
+use nlmodes::response::{ContactPattern, ResponsePoint};
+use nlmodes_scene::assemble::OpenStructure;
+use nlmodes_scene::scene::{ResponseKind, Scene};
+
+use super::convert::modal_coordinates;
+use super::curves::ComputedResponse;
+use super::model::Model;
+use crate::Failure;
+use crate::curve::{Curve, Frames};
+
+/// A curve of motions of the model of a scene.
+pub struct Viewed<'a> {
+    model: &'a Model,
+    scene: &'a Scene,
+    computed: &'a ComputedResponse,
+    /// Number of the curve in the run, from 0.
+    number: usize,
+}
+
+/// All curves with points, in the order of the run.
+pub fn viewed<'a>(scene: &'a Scene, model: &'a Model, curves: &'a [ComputedResponse]) -> Vec<Viewed<'a>> {
+    let all = curves.iter().enumerate().map(|(number, computed)| Viewed { model, scene, computed, number });
+    all.filter(|one| !one.computed.branch.points.is_empty()).collect()
+}
+
+impl Viewed<'_> {
+    /// What was followed.
+    pub fn kind(&self) -> ResponseKind {
+        self.computed.kind
+    }
+
+    /// The motion of a point, and how many periods of the load are one of it.
+    fn motion(&self, point: usize) -> Result<(&ResponsePoint, usize), Failure> {
+        let found = self.computed.motions.as_ref().and_then(|curve| curve.points.get(point));
+        let subharmonic = self.scene.responses[self.computed.response].subharmonic;
+        Ok((found.ok_or("there is no such point")?, subharmonic))
+    }
+
+    fn pattern(&self, point: usize) -> Result<(ContactPattern<'_>, f64), Failure> {
+        let (found, subharmonic) = self.motion(point)?;
+        Ok((self.model.response().contact_pattern(&found.motion, subharmonic)?, found.motion.at.omega))
+    }
+
+    /// The contacts at these phases (rad), each in a segment with unchanged closed contacts; displacements with these
+    /// signs.
+    fn contacts(
+        &self,
+        point: usize,
+        label: &str,
+        sides: &[f64],
+        phases: impl FnOnce(&[[f64; 2]]) -> Vec<(f64, usize)>,
+    ) -> Result<Vec<TimeHistory>, Failure> {
+        let (pattern, omega) = self.pattern(point)?;
+        let stretches = pattern.stretches();
+        let empty = |(side, gap): (&f64, &f64)| TimeHistory::empty(label, side * gap);
+        let mut all: Vec<TimeHistory> = sides.iter().zip(&self.model.gaps).map(empty).collect();
+        let mut last = f64::NEG_INFINITY;
+        for (tau, stretch) in phases(&stretches) {
+            last = (tau / omega).max(f64::next_up(last));
+            for ((history, state), side) in all.iter_mut().zip(pattern.state(tau, stretch)).zip(sides) {
+                history.push(last, state.motion.map(|m| side * m), state.force.max(0.0));
+            }
+        }
+        let ends = stretches.iter().enumerate();
+        let middles: Vec<Vec<bool>> =
+            ends.map(|(k, [a, b])| pattern.state(0.5 * (a + b), k).iter().map(|s| s.force > 0.0).collect()).collect();
+        for (i, history) in all.iter_mut().enumerate() {
+            for (pair, ends) in middles.windows(2).zip(&stretches).filter(|(pair, _)| pair[0][i] != pair[1][i]) {
+                history.instants.push(ContactInstant { time: ends[1] / omega, touching: pair[1][i] });
+            }
+        }
+        Ok(all)
+    }
+
+    /// The point with the largest contact force.
+    fn hardest(&self) -> usize {
+        let points = &self.computed.branch.points;
+        let force = |k: &usize| points[*k].peak_contact_force;
+        (0..points.len()).max_by(|a, b| force(a).total_cmp(&force(b))).unwrap_or(0)
+    }
+}
+
+impl Curve for Viewed<'_> {
+    fn branch(&self) -> &ModalBranch {
+        &self.computed.branch
+    }
+
+    fn participation(&self) -> &[Participation] {
+        &self.computed.participation
+    }
+
+    fn response_row(&self, point: usize) -> Option<ResponseRow> {
+        let of = ResponseOf {
+            response: self.computed.response + 1,
+            kind: self.computed.kind.name(),
+            curve: self.number,
+            name: &self.computed.branch.label,
+            is_detached: self.computed.is_detached,
+            unit: self.model.unit,
+        };
+        self.computed.branch.points.get(point).map(|point| ResponseRow::of(of, point))
+    }
+
+    /// On the way to the motion with the largest contact force.
+    fn pictured(&self) -> Vec<usize> {
+        way_points(self.branch(), self.hardest())
+    }
+
+    fn references(&self) -> Vec<usize> {
+        vec![self.hardest()]
+    }
+
+    fn n_contacts(&self) -> usize {
+        self.model.gaps.len()
+    }
+
+    fn stops(&self) -> Vec<StopLine> {
+        let line = |(i, gap): (usize, &f64)| {
+            Some(StopLine {
+                coordinate: self.model.contact_coordinates.get(i).copied().flatten()?,
+                position: self.model.sides[i] * gap,
+                positive: self.model.sides[i] > 0.0,
+            })
+        };
+        self.model.gaps.iter().enumerate().filter_map(line).collect()
+    }
+
+    fn histories(&self, point: usize, samples: usize, label: &str) -> Result<Vec<TimeHistory>, Failure> {
+        self.contacts(point, label, &self.model.sides, |stretches| TimeHistory::exact_instants(stretches, samples))
+    }
+
+    fn frames(&self, open: &OpenStructure, point: usize, dofs: &[usize], frames: usize) -> Result<Frames, Failure> {
+        let sides: Vec<f64> = open.reduced.direction_of().iter().map(|(_, toward)| *toward).collect();
+        let within = |stretches: &[[f64; 2]]| {
+            let phases = (0..=frames).map(|k| TAU * k as f64 / frames as f64);
+            phases.map(|tau| (tau, stretches.partition_point(|ends| ends[1] < tau).min(stretches.len() - 1))).collect()
+        };
+        let contacts = self.contacts(point, "", &sides, within)?;
+        let (found, subharmonic) = self.motion(point)?;
+        let modal = modal_coordinates(&found.motion, open.modes.n_modes());
+        let mut all = Frames::new(contacts, &modal, open, dofs, frames);
+        for (row, dof) in dofs.iter().enumerate() {
+            let load = self.model.response().load_displacement(*dof, &found.motion, subharmonic);
+            let moved = load.iter().enumerate().filter(|(_, q)| q.norm() > 0.0);
+            for ((n, q), k) in moved.flat_map(|harmonic| (0..frames).map(move |k| (harmonic, k))) {
+                let turned = n as f64 * TAU * k as f64 / frames as f64;
+                all.displacements[(row, k)] += q.re * turned.cos() - q.im * turned.sin();
+            }
+        }
+        Ok(all)
+    }
+}
