@@ -20,10 +20,9 @@ use nlmodes::model::{MasslessContactModel, StructuralModel};
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::{OpenStructure, Structures};
 use nlmodes_scene::scene::Scene;
-use serde_json::Value;
 
 use crate::certificate::{Certificate, Sources};
-use crate::claim::{Claim, identity};
+use crate::claim::Claim;
 use crate::curve::space::Period;
 use crate::curve::{Curve, LINEAR_MODES, figures, histories, tables};
 use crate::journal::Journal;
@@ -70,7 +69,7 @@ pub fn run_sharing(
     // Of a scene with several methods all lay the same over.
     let first = scenes.first().ok_or(RunError::NoScene)?;
     let laid = overlay::laid_over(first, &first.scene.overlays, observer)?;
-    let claim = claim(&scenes, over, observer)?;
+    let claim = Claim::of_scenes(&scenes, over, observer)?;
     let of = scenes.len();
     let mut files = Vec::new();
     for (number, file) in scenes.into_iter().enumerate() {
@@ -90,14 +89,6 @@ pub fn run_sharing(
         }
         parts => several::run(&files, parts, (&claim, &laid), observer, structures),
     }
-}
-
-/// The output directory of scenes that differ in their method only.
-fn claim(files: &[SceneFile], over: Over, observer: &mut dyn Observer) -> Result<Claim, RunError> {
-    let first = files.first().ok_or(RunError::NoScene)?;
-    let scene = |file: &SceneFile| identity(serde_json::to_value(&file.scene).unwrap_or_default());
-    let scenes = Value::Array(files.iter().map(scene).collect());
-    Claim::new(&first.scene.output_directory, &first.document, scenes, over, observer)
 }
 
 /// One branch with all its files, and how it ended.
@@ -121,10 +112,7 @@ fn one_branch(
     if let Some(text) = mass::warning(scene, &modes) {
         observer.event(Event::Warning(&text));
     }
-    let mut journal = Journal::open(scene, claim).map_err(|failure| unwritable(failure, true))?;
-    if claim.resumes() && journal.known_steps() == 0 {
-        observer.event(Event::NothingToResume { directory });
-    }
+    let mut journal = Journal::begun(scene, claim, observer)?;
     let mut sink = Sink::new(directory, claim, journal.computing.clone(), observer);
     let tree = compute(scene, massless.clone(), &mut journal, &mut sink);
     sink.finish();

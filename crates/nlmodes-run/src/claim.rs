@@ -16,7 +16,7 @@ use serde_json::{Value, json};
 use crate::files::{DEPTH, RUN, STEPS, remove_all, remove_ends, remove_figures_of_records, remove_temporary};
 use crate::{Event, Observer, RunError};
 use keys::written_key;
-use nlmodes_scene::Document;
+use nlmodes_scene::{Document, SceneFile};
 use replaced::Replaced;
 
 /// Most differences between two scenes that are shown.
@@ -77,6 +77,17 @@ impl Claim {
             observer.event(Event::Replaces { directory, certificates, drawn });
         }
         Ok(Self::unchecked(directory, &document.sources().file().name, &scenes, over))
+    }
+
+    /// The output directory of scenes that differ in their method only, which the first one names.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn of_scenes(files: &[SceneFile], over: Over, observer: &mut dyn Observer) -> Result<Self, RunError> {
+        let first = files.first().ok_or(RunError::NoScene)?;
+        let scene = |file: &SceneFile| identity(serde_json::to_value(&file.scene).unwrap_or_default());
+        let scenes = Value::Array(files.iter().map(scene).collect());
+        Self::new(&first.scene.output_directory, &first.document, scenes, over, observer)
     }
 
     /// Without checking existing files.

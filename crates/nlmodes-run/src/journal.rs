@@ -14,6 +14,7 @@ use serde_json::{Value, json};
 
 use crate::claim::{Claim, identity};
 use crate::files::STEPS;
+use crate::{Event, Observer, RunError};
 use nlmodes_scene::scene::Scene;
 
 /// Changes with what a line means.
@@ -83,6 +84,20 @@ impl Journal {
             let bytes = fs::read(&journal.path).map_err(journal.io())?;
             journal.read(&bytes);
             journal.computing.set(journal.known.is_empty());
+        }
+        Ok(journal)
+    }
+
+    /// The same for a run that begins; that there is nothing to continue goes to the observer.
+    ///
+    /// # Errors
+    /// [`RunError::Unwritable`].
+    pub fn begun(scene: &Scene, claim: &Claim, observer: &mut dyn Observer) -> Result<Self, RunError> {
+        let directory = &scene.output_directory;
+        let unwritable = |source| RunError::Unwritable { directory: directory.clone(), source, kept: true };
+        let journal = Self::open(scene, claim).map_err(unwritable)?;
+        if claim.resumes() && journal.known_steps() == 0 {
+            observer.event(Event::NothingToResume { directory });
         }
         Ok(journal)
     }

@@ -1,6 +1,7 @@
 //! Results of other runs, and of tests, laid over those of a scene, with the differences in numbers.
 
 mod contacts;
+mod curves;
 mod differences;
 mod read;
 mod said;
@@ -8,13 +9,14 @@ mod stops;
 mod unused;
 mod written;
 
+pub(crate) use curves::{LaidCurve, curves};
 pub use differences::{Difference, Equal, at_equal_frequency, differences};
 pub use read::{Laid, OverlayError, read};
-pub(crate) use read::{contacts_beside, contacts_of};
+pub(crate) use read::{contacts_beside, contacts_of, read_with_unused};
 pub(crate) use said::{by, percent};
 pub use said::{sentence, sentence_at_equal_frequency, table};
 pub use stops::{StopChange, changes, lines, stops_table};
-pub(crate) use unused::{NO_FREQUENCY, Unused};
+pub(crate) use unused::Unused;
 pub use written::{write, write_stops};
 
 pub use crate::sheet::SheetError;
@@ -33,10 +35,22 @@ pub(crate) fn laid_over<S>(
     overlays: &[Overlay],
     observer: &mut dyn Observer,
 ) -> Result<Vec<Laid>, RunError> {
+    read_all(file, overlays, observer, read_with_unused)
+}
+
+/// The same, each read in this way.
+///
+/// # Errors
+/// As [`laid_over`].
+pub(crate) fn read_all<S, T>(
+    file: &SceneFile<S>,
+    overlays: &[Overlay],
+    observer: &mut dyn Observer,
+    read: impl Fn(&Overlay) -> Result<(T, Unused), OverlayError>,
+) -> Result<Vec<T>, RunError> {
     let mut all = Vec::new();
     for (k, overlay) in overlays.iter().enumerate() {
-        let (laid, unused) =
-            read::read_with_unused(overlay).map_err(|error| refusal::at(file, &format!("overlay.{k}.path"), &error))?;
+        let (laid, unused) = read(overlay).map_err(|error| refusal::at(file, &format!("overlay.{k}.path"), &error))?;
         unused.sentence(&overlay.path).iter().for_each(|text| observer.event(Event::Warning(text)));
         all.push(laid);
     }

@@ -25,18 +25,19 @@ use nlmodes_scene::assemble::OpenStructure;
 use nlmodes_scene::scene::Scene;
 
 use crate::certificate::Certificate;
-use crate::claim::{Claim, identity};
+use crate::claim::Claim;
 use crate::curve::space::Period;
 use crate::curve::{self, Curve, histories};
 use crate::doubts;
 use crate::journal::Journal;
+use crate::overlay::LaidCurve;
 use crate::style::style_of;
 use crate::updating::updated;
 use crate::{Event, Failure, Observer, Over, RunError, links, no_contact};
 pub use curves::ComputedResponse;
 use curves::{Job, detached, follow, jobs};
 use model::Model;
-use overlaid::{Beside, LaidCurve};
+use overlaid::Beside;
 pub(crate) use picture::picture;
 use viewed::viewed;
 
@@ -95,19 +96,15 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
         return Err(no_contact(file).into());
     }
     links::refuse(&file.scene.output_directory)?;
-    let scenes = serde_json::Value::Array(vec![identity(serde_json::to_value(&file.scene).unwrap_or_default())]);
     let directory = file.scene.output_directory.clone();
-    let claim = Claim::new(&directory, &file.document, scenes, over, observer)?;
+    let claim = Claim::of_scenes(std::slice::from_ref(file), over, observer)?;
     let began = Instant::now();
     let file = updated(file.clone())?;
     let model = Model::new(&file)?;
     doubts::tell(&file.scene, model.reduction.as_ref(), observer);
     model.warnings.iter().for_each(|text| observer.event(Event::Warning(text)));
     let unwritable = |source: ReportError, kept| RunError::Unwritable { directory: directory.clone(), source, kept };
-    let journal = Journal::open(&file.scene, &claim).map_err(|failure| unwritable(failure, true))?;
-    if claim.resumes() && journal.known_steps() == 0 {
-        observer.event(Event::NothingToResume { directory: &directory });
-    }
+    let journal = Journal::begun(&file.scene, &claim, observer)?;
     let computing = journal.computing.clone();
     let journal = Rc::new(RefCell::new(journal));
     let log = StepLog::new(journal.clone());

@@ -17,6 +17,7 @@ use crate::curve::Curve;
 use crate::curve::histories::Reference;
 use crate::curve::page::{self, Certified, Content};
 use crate::curve::space::Period;
+use crate::curve::stops::held_ends;
 use crate::linear::{LinearFrequencies, modal_model};
 
 /// What the page shows beside the branches.
@@ -55,6 +56,8 @@ pub fn write(
     }
     let tables = methods.tables().chain(laid.tables()).chain(all.iter().filter_map(|one| beyond_accuracy(one)));
     let content = Content {
+        title: &scene.title,
+        held: held_ends(scene, &first.branch),
         lines: vec![format!("{}; {}", first.branch.label, method.name)],
         further_lines: own.into_iter().chain(methods.sentences()).chain(laid.sentences()).collect(),
         warnings: linear.mass_warning.iter().cloned().collect(),
@@ -66,7 +69,7 @@ pub fn write(
         references,
         period,
     };
-    page::write(directory, scene, curves, content, |report| report)
+    page::write(directory, curves, content, |report| report)
 }
 
 fn json(content: &impl Serialize) -> Result<Value, Failure> {

@@ -5,12 +5,11 @@ use std::path::Path;
 
 use nlmodes::modal::{ModalBranch, Participation};
 use nlmodes::report::{DataTable, HtmlReport};
-use nlmodes_scene::scene::Scene;
 use serde_json::Value;
 
 use super::histories::Reference;
 use super::space::Period;
-use super::{Curve, SHOWN_MODES, stops};
+use super::{Curve, SHOWN_MODES};
 use crate::Failure;
 use crate::certificate::{Certificate, tables};
 
@@ -31,6 +30,10 @@ pub struct Certified<'a> {
 /// What a page shows beside its curves.
 #[derive(Default)]
 pub struct Content<'a> {
+    /// Its title.
+    pub title: &'a str,
+    /// Ends of the structure that do not move in the direction of the first contact.
+    pub held: Vec<f64>,
     /// What is told first.
     pub lines: Vec<String>,
     /// What is told after that of the verification reports.
@@ -53,11 +56,10 @@ pub struct Content<'a> {
     pub period: Option<&'a Period>,
 }
 
-/// Writes the page about these curves, with what `further` adds; its points with a name are those of the pictures of the
+/// Writes the page about these curves, or about points that are only laid over each other, with what `further` adds; its points with a name are those of the pictures of the
 /// first curve, and the references, whose time histories it shows.
 pub fn write(
     directory: &Path,
-    scene: &Scene,
     curves: &[&dyn Curve],
     content: Content<'_>,
     further: impl for<'r> FnOnce(HtmlReport<'r>) -> HtmlReport<'r>,
@@ -69,10 +71,10 @@ pub fn write(
     let participation: Vec<Vec<Participation>> =
         own.chain(content.laid.iter().map(|branch| unknown(branch.points.len()))).collect();
     let participation: Vec<&[Participation]> = participation.iter().map(Vec::as_slice).collect();
-    let mut report = HtmlReport::new(&scene.title, &branches)
-        .contact_motion(&contact_motion)
-        .participation(&participation)
-        .scattered(&content.scattered);
+    let mut report = HtmlReport::new(content.title, &branches).scattered(&content.scattered);
+    if !curves.is_empty() {
+        report = report.contact_motion(&contact_motion).participation(&participation);
+    }
     for text in content.lines {
         report = report.line(text);
     }
@@ -98,7 +100,7 @@ pub fn write(
         report = report.wireframe(wireframe.clone());
     }
     if let Some(first) = curves.first() {
-        report = report.clamped_at(&stops::held_ends(scene, first.branch())).stops(&first.stops());
+        report = report.clamped_at(&content.held).stops(&first.stops());
         for (k, point) in first.pictured().into_iter().enumerate() {
             report = report.mark(0, point, (k + 1).to_string());
         }

@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use super::contacts;
 use super::unused::{NO_FREQUENCY, Unused};
-use crate::sheet::{Sheet, SheetError};
+use crate::sheet::{Row, Sheet, SheetError};
 
 /// Tables of a folder of results that hold modal points: of a branch, of records.
 const TABLES: [&str; 2] = ["branch.csv", "modal_points.csv"];
@@ -66,6 +66,44 @@ pub struct Laid {
     pub is_scattered: bool,
 }
 
+/// The rows of a table of points, of a run or of a test, one after the other.
+pub(super) struct Points {
+    pub sheet: Sheet,
+    path: PathBuf,
+    places: Vec<Option<usize>>,
+    /// How many rows there are, and which are not used.
+    pub unused: Unused,
+}
+
+impl Points {
+    /// A table that has a frequency and one of two columns.
+    pub fn open(path: PathBuf, either: [&str; 2], both: &'static str) -> Result<Self, OverlayError> {
+        let sheet = Sheet::open(&path)?;
+        sheet.needed("frequency_hz")?;
+        if either.iter().all(|name| sheet.column(name).is_none()) {
+            return Err(sheet.missing(both).into());
+        }
+        Ok(Self { places: sheet.places::<BranchRow>(), sheet, path, unused: Unused::default() })
+    }
+
+    /// The next row.
+    pub fn row(&mut self) -> Result<Option<Row>, OverlayError> {
+        let row = self.sheet.row()?;
+        self.unused.rows += usize::from(row.is_some());
+        if self.unused.rows > MOST_ROWS { Err(OverlayError::TooManyRows(self.path.clone())) } else { Ok(row) }
+    }
+
+    /// What it says of a point; none without a frequency, which is counted.
+    pub fn point(&mut self, row: &Row) -> Result<Option<BranchRow>, OverlayError> {
+        let read: BranchRow = self.sheet.read(row, &self.places)?;
+        if read.frequency_hz > 0.0 {
+            return Ok(Some(read));
+        }
+        self.unused.add(NO_FREQUENCY, row.line);
+        Ok(None)
+    }
+}
+
 /// Reads what is laid over.
 ///
 /// # Errors
@@ -80,44 +118,32 @@ pub fn read(overlay: &Overlay) -> Result<Laid, OverlayError> {
 /// [`OverlayError`].
 pub(crate) fn read_with_unused(overlay: &Overlay) -> Result<(Laid, Unused), OverlayError> {
     let path = table(&overlay.path)?;
-    let mut table = Sheet::open(&path)?;
-    table.needed("frequency_hz")?;
-    if table.column("energy_j").or(table.column("modal_amplitude")).is_none() {
-        return Err(table.missing("modal_amplitude or energy_j").into());
-    }
-    let places = table.places::<BranchRow>();
+    let mut table = Points::open(path.clone(), ["energy_j", "modal_amplitude"], "modal_amplitude or energy_j")?;
     // A table of responses: of it a mode has a place beside modes, one curve of it.
-    let of_responses = ["kind", "response", "curve"].map(|name| table.column(name));
+    let of_responses = ["kind", "response", "curve"].map(|name| table.sheet.column(name));
     let (mut first, mut loads) = (None, 0);
-    let (number, findings) = (table.column("point"), table.column("findings"));
+    let (number, findings) = (table.sheet.column("point"), table.sheet.column("findings"));
     let mut contacts = contacts_beside(&path)?;
-    let mut unused = Unused::default();
     let (mut points, mut unsettled) = (Vec::new(), Vec::new());
     while let Some(row) = table.row()? {
-        unused.rows += 1;
-        if unused.rows > MOST_ROWS {
-            return Err(OverlayError::TooManyRows(path));
-        }
         if let [Some(_), Some(_), Some(_)] = of_responses {
             let [kind, response, curve] = of_responses.map(|column| row.text(column));
             if !MODES.contains(&kind) {
                 loads += 1;
-                unused.add("of responses to loads", row.line);
+                table.unused.add("of responses to loads", row.line);
                 continue;
             }
             let of = (response.to_owned(), curve.to_owned());
             if *first.get_or_insert_with(|| of.clone()) != of {
-                unused.add("of other curves than the first mode", row.line);
+                table.unused.add("of other curves than the first mode", row.line);
                 continue;
             }
         }
         let beside = row.text(number).parse::<usize>().ok().and_then(|number| contacts.remove(&number));
         let is_settled = !row.text(findings).split_whitespace().any(|name| UNSETTLED.contains(&name));
-        let read: BranchRow = table.read(&row, &places)?;
-        if read.frequency_hz.is_nan() || read.frequency_hz <= 0.0 {
-            unused.add(NO_FREQUENCY, row.line);
-        } else if read.energy_j.is_nan() && read.modal_amplitude.is_nan() {
-            unused.add("with neither an amplitude nor an energy", row.line);
+        let Some(read) = table.point(&row)? else { continue };
+        if read.energy_j.is_nan() && read.modal_amplitude.is_nan() {
+            table.unused.add("with neither an amplitude nor an energy", row.line);
         } else {
             let points = if is_settled { &mut points } else { &mut unsettled };
             points.push(read.point(beside.unwrap_or_default()));
@@ -150,7 +176,7 @@ pub(crate) fn read_with_unused(overlay: &Overlay) -> Result<(Laid, Unused), Over
         points,
         end: BranchEnd::given(message),
     };
-    Ok((Laid { branch, is_scattered }, unused))
+    Ok((Laid { branch, is_scattered }, table.unused))
 }
 
 /// What the contacts do at each point of a branch, by its number, if a table beside it says so.

@@ -4,12 +4,12 @@ use std::f64::consts::TAU;
 use std::path::Path;
 
 use nlmodes::experiment::extraction::{Measured, RecordExtraction};
-use nlmodes::modal::ModalBranch;
-use nlmodes::report::{DataTable, HtmlReport};
+use nlmodes::report::DataTable;
 
 use super::RecordOutcome;
 use super::figures::{Drawn, measured, scattered};
 use crate::Failure;
+use crate::curve::page::{self, Content};
 use crate::overlay::Laid;
 use nlmodes_scene::number;
 
@@ -41,25 +41,25 @@ pub fn write(
             wrong.join("; ")
         };
     }
-    let branches: Vec<&ModalBranch> = own.iter().chain(beside.iter().map(|laid| &laid.branch)).collect();
     let scattered = scattered(beside, usize::from(own.is_some()));
-    let mut report = HtmlReport::new(title, &branches).scattered(&scattered);
-    for line in lines {
-        report = report.line(line);
-    }
+    let content = Content {
+        title,
+        lines: lines.to_vec(),
+        tables: [points(outcomes)].into_iter().chain(differences.iter().cloned()).chain([findings(outcomes)]).collect(),
+        laid: own.iter().chain(beside.iter().map(|laid| &laid.branch)).collect(),
+        scattered,
+        ..Content::default()
+    };
     let shown = hardest(&found);
-    for drawn in figures.iter().filter(|drawn| number_in(&drawn.file).is_none_or(|k| shown.contains(&k))) {
-        // The page draws that one itself, to zoom.
-        if drawn.file != "frequency_amplitude.svg" || own.is_none() {
+    let figures = figures.iter().filter(|drawn| number_in(&drawn.file).is_none_or(|k| shown.contains(&k)));
+    // The page draws that one itself, to zoom.
+    let figures = figures.filter(|drawn| drawn.file != "frequency_amplitude.svg" || own.is_none());
+    page::write(directory, &[], content, |mut report| {
+        for drawn in figures {
             report = report.figure(&drawn.heading, drawn.figure.clone());
         }
-    }
-    report = report.table(points(outcomes));
-    for table in differences {
-        report = report.table(table.clone());
-    }
-    report = report.table(findings(outcomes));
-    Ok(report.write(directory.join("report.html"))?)
+        report
+    })
 }
 
 /// Numbers, from 1, of the records with the largest contact forces.

@@ -2,14 +2,15 @@
 
 use std::f64::consts::TAU;
 
-use nlmodes::modal::ModalPoint;
+use nlmodes::modal::{ModalBranch, ModalPoint};
 use nlmodes::report::{Figure, LineKind, Quantity, ReportError, ResponseFigure, ResponseLine};
 use nlmodes_scene::scene::{ResponseKind, Scene};
 
 use super::curves::ComputedResponse;
 use super::model::Model;
-use super::overlaid::{LaidCurve, LaidPoint};
 use crate::Failure;
+use crate::curve;
+use crate::overlay::LaidCurve;
 
 /// Name of the file, title, and the figure.
 pub type Named = (&'static str, &'static str, Figure);
@@ -20,33 +21,19 @@ pub fn all(
     model: &Model,
     (curves, laid): (&[ComputedResponse], &[LaidCurve]),
 ) -> Result<Vec<Named>, Failure> {
-    let draw = Draw { scene, unit: model.unit, curves, laid };
-    let mut drawn = Vec::new();
-    for (name, title, figure) in draw.all() {
-        match figure {
-            Ok(figure) => drawn.push((name, title, figure)),
-            Err(ReportError::NothingToDraw { .. }) => {}
-            Err(error) => return Err(error.into()),
-        }
+    let mut found = Vec::new();
+    for drawn in drawn(model.unit) {
+        let (file, title) = (drawn.file, drawn.title);
+        found.extend(drawn.figure(&scene.title, curves, laid)?.map(|figure| (file, title, figure)));
     }
-    Ok(drawn)
-}
-
-struct Draw<'a> {
-    scene: &'a Scene,
-    unit: &'static str,
-    curves: &'a [ComputedResponse],
-    laid: &'a [LaidCurve],
+    Ok(found)
 }
 
 /// A quantity of a point, NaN where it has none.
 type Value = fn(&ModalPoint) -> f64;
 
-/// Abscissa and ordinate of what is laid over, where a figure has both.
-type LaidValues = Option<[fn(&LaidPoint) -> f64; 2]>;
-
 /// Frequency of the load, or of a free motion, Hz.
-fn hertz(point: &ModalPoint) -> f64 {
+pub fn hertz(point: &ModalPoint) -> f64 {
     point.listed_omega() / TAU
 }
 
@@ -75,132 +62,127 @@ fn damping_percent(point: &ModalPoint) -> f64 {
     100.0 * point.driven.and_then(|driven| driven.damping_ratio).unwrap_or(f64::NAN)
 }
 
-impl Draw<'_> {
-    fn all(&self) -> Vec<(&'static str, &'static str, Result<Figure, ReportError>)> {
-        let amplitude: Value = |point| point.fundamental.abs();
-        let over_level = |c: &ComputedResponse| c.kind == ResponseKind::Force;
-        let over_frequency = |c: &ComputedResponse| !over_level(c);
-        let of_window = |c: &ComputedResponse| matches!(c.kind, ResponseKind::Frequency | ResponseKind::PhaseResonance);
-        let is_damped = |c: &ComputedResponse| c.kind == ResponseKind::DampedMode;
-        let resonant = |c: &ComputedResponse| matches!(c.kind, ResponseKind::PhaseResonance | ResponseKind::DampedMode);
-        let frequency = || Quantity::linear("frequency", "Hz");
-        let fundamental = || Quantity::linear("fundamental of the first contact", "m");
-        let unit = self.unit;
-        let of_laid = |y: fn(&LaidPoint) -> f64| -> LaidValues { Some([|p: &LaidPoint| p.frequency, y]) };
-        vec![
-            (
-                "responses.svg",
-                "Amplitude of the first contact over frequency",
-                self.figure(
-                    &over_frequency,
-                    [frequency(), fundamental()],
-                    (hertz, amplitude),
-                    of_laid(|p| p.fundamental),
-                    true,
-                ),
-            ),
-            (
-                "force_response.svg",
-                "Amplitude of the first contact over the level",
-                self.figure(
-                    &over_level,
-                    [Quantity::linear("level", unit), fundamental()],
-                    (level, amplitude),
-                    None,
-                    false,
-                ),
-            ),
-            (
-                "drive.svg",
-                "Amplitude of the drive point over frequency",
-                self.figure(
-                    &over_frequency,
-                    [frequency(), Quantity::linear("fundamental of the drive point", "m")],
-                    (hertz, drive),
-                    of_laid(|p| p.drive),
-                    true,
-                ),
-            ),
-            (
-                "phase.svg",
-                "Lag of the drive point over frequency",
-                self.figure(
-                    &of_window,
-                    [frequency(), Quantity::linear("lag of the drive point", "degrees")],
-                    (hertz, lag),
-                    of_laid(|p| p.lag),
-                    false,
-                ),
-            ),
-            (
-                "contact_force.svg",
-                "Largest force at a stop over frequency",
-                self.figure(
-                    &over_frequency,
-                    [frequency(), Quantity::linear("largest contact force", "N")],
-                    (hertz, |point| point.peak_contact_force),
-                    of_laid(|p| p.force),
-                    false,
-                ),
-            ),
-            (
-                "damping_ratio.svg",
-                "Damping ratio of the damped mode over energy",
-                self.figure(
-                    &is_damped,
-                    [Quantity::logarithmic("averaged kinetic energy", "J"), Quantity::linear("damping ratio in %", "")],
-                    (|point| point.kinetic_energy, damping_percent),
-                    None,
-                    false,
-                ),
-            ),
-            (
-                "force_needed.svg",
-                "Level that holds a resonance, over its frequency",
-                self.figure(
-                    &resonant,
-                    [frequency(), Quantity::linear("level needed", unit)],
-                    (hertz, needed),
-                    None,
-                    false,
-                ),
-            ),
-        ]
-    }
+/// A figure, and what it shows.
+struct Drawn {
+    file: &'static str,
+    title: &'static str,
+    shown: fn(ResponseKind) -> bool,
+    axes: [Quantity; 2],
+    values: [Value; 2],
+    /// What is laid over it.
+    laid: fn(&LaidCurve) -> bool,
+    /// Whether modes and phase resonances end where they leave what the responses span.
+    is_bounded: bool,
+}
 
+/// All figures over the curves of a scene, with the unit of its levels.
+fn drawn(unit: &str) -> [Drawn; 7] {
+    let over_frequency: fn(ResponseKind) -> bool = |kind| kind != ResponseKind::Force;
+    let amplitude: Value = |point| point.fundamental.abs();
+    let frequency = || Quantity::linear("frequency", "Hz");
+    let fundamental = || Quantity::linear("fundamental of the first contact", "m");
+    [
+        Drawn {
+            file: "responses.svg",
+            title: "Amplitude of the first contact over frequency",
+            shown: over_frequency,
+            axes: [frequency(), fundamental()],
+            values: [hertz, amplitude],
+            laid: |_| true,
+            is_bounded: true,
+        },
+        Drawn {
+            file: "force_response.svg",
+            title: "Amplitude of the first contact over the level",
+            shown: |kind| kind == ResponseKind::Force,
+            axes: [Quantity::linear("level", unit), fundamental()],
+            values: [level, amplitude],
+            laid: |_| false,
+            is_bounded: false,
+        },
+        Drawn {
+            file: "drive.svg",
+            title: "Amplitude of the drive point over frequency",
+            shown: over_frequency,
+            axes: [frequency(), Quantity::linear("fundamental of the drive point", "m")],
+            values: [hertz, drive],
+            laid: |_| true,
+            is_bounded: true,
+        },
+        Drawn {
+            file: "phase.svg",
+            title: "Lag of the drive point over frequency",
+            shown: |kind| matches!(kind, ResponseKind::Frequency | ResponseKind::PhaseResonance),
+            axes: [frequency(), Quantity::linear("lag of the drive point", "degrees")],
+            values: [hertz, lag],
+            laid: |curve| curve.has_lag,
+            is_bounded: false,
+        },
+        Drawn {
+            file: "contact_force.svg",
+            title: "Largest force at a stop over frequency",
+            shown: over_frequency,
+            axes: [frequency(), Quantity::linear("largest contact force", "N")],
+            values: [hertz, |point| point.peak_contact_force],
+            laid: |_| true,
+            is_bounded: false,
+        },
+        Drawn {
+            file: "damping_ratio.svg",
+            title: "Damping ratio of the damped mode over energy",
+            shown: |kind| kind == ResponseKind::DampedMode,
+            axes: [Quantity::logarithmic("averaged kinetic energy", "J"), Quantity::linear("damping ratio in %", "")],
+            values: [|point| point.kinetic_energy, damping_percent],
+            laid: |_| false,
+            is_bounded: false,
+        },
+        Drawn {
+            file: "force_needed.svg",
+            title: "Level that holds a resonance, over its frequency",
+            shown: |kind| matches!(kind, ResponseKind::PhaseResonance | ResponseKind::DampedMode),
+            axes: [frequency(), Quantity::linear("level needed", unit)],
+            values: [hertz, needed],
+            laid: |_| false,
+            is_bounded: false,
+        },
+    ]
+}
+
+impl Drawn {
     fn figure(
-        &self,
-        is_shown: &dyn Fn(&ComputedResponse) -> bool,
-        [abscissa, ordinate]: [Quantity; 2],
-        (x, y): (Value, Value),
-        laid: LaidValues,
-        is_bounded: bool,
-    ) -> Result<Figure, ReportError> {
-        let shown = || self.curves.iter().filter(|c| is_shown(c) && !c.branch.points.is_empty());
-        let line = |c: &ComputedResponse| ResponseLine {
-            name: c.branch.label.clone(),
-            kind: kind(c.kind),
-            points: c.branch.points.iter().map(|p| (x(p), y(p), p.stability.and_then(|s| s.stable))).collect(),
+        self,
+        title: &str,
+        curves: &[ComputedResponse],
+        laid: &[LaidCurve],
+    ) -> Result<Option<Figure>, ReportError> {
+        let [x, y] = self.values;
+        let shown = || curves.iter().filter(|c| (self.shown)(c.kind) && !c.branch.points.is_empty());
+        let line = |branch: &ModalBranch, kind: LineKind, is_judged: bool| ResponseLine {
+            name: branch.label.clone(),
+            kind,
+            points: branch
+                .points
+                .iter()
+                .map(|p| (x(p), y(p), p.stability.filter(|_| is_judged).and_then(|s| s.stable)))
+                .collect(),
         };
-        let mut lines: Vec<ResponseLine> = shown().map(line).collect();
-        if is_bounded {
+        let mut lines: Vec<ResponseLine> = shown().map(|c| line(&c.branch, kind(c.kind), true)).collect();
+        if self.is_bounded {
             within_responses(&mut lines);
         }
-        if let (Some([x, y]), false) = (laid, lines.is_empty()) {
-            let laid = self.laid.iter().map(|curve| ResponseLine {
-                name: curve.name.clone(),
-                kind: curve.kind,
-                points: curve.points.iter().map(|p| (x(p), y(p), None)).collect(),
-            });
+        if !lines.is_empty() {
+            let laid =
+                laid.iter().filter(|curve| (self.laid)(curve)).map(|curve| line(&curve.branch, curve.kind, false));
             lines.extend(laid.filter(|line| line.points.iter().any(|p| p.0.is_finite() && p.1.is_finite())));
         }
-        let mut figure = ResponseFigure::new(&lines, abscissa, ordinate).title(&self.scene.title);
+        let [abscissa, ordinate] = self.axes;
+        let mut figure = ResponseFigure::new(&lines, abscissa, ordinate).title(title);
         for computed in shown().filter(|c| c.kind == ResponseKind::PhaseResonance) {
             for point in &computed.at_levels {
                 figure = figure.mark(x(point), y(point), "");
             }
         }
-        figure.render()
+        curve::figures::drawn(figure.render())
     }
 }
 

@@ -1,8 +1,5 @@
 //! Other responses, measured or computed, laid over those of a scene, with the differences in numbers.
 
-mod read;
-
-use std::f64::consts::TAU;
 use std::path::Path;
 
 use nlmodes::modal::ModalPoint;
@@ -13,49 +10,31 @@ use nlmodes_scene::scene::ResponseKind;
 
 use super::curves::ComputedResponse;
 use super::figures;
-use crate::overlay::{by, percent};
-use crate::{Event, Observer, RunError, refusal};
+use crate::overlay::{self, LaidCurve, by, percent};
+use crate::{Observer, RunError};
 
 /// Relative difference that the digits of a table make of a frequency: the ends of a curve stay within it.
 const TABLE_DIGITS: f64 = 1e-14;
 /// Relative difference up to which two levels are one.
 const SAME_LEVEL: f64 = 1e-6;
 
-/// A curve, or measured points, that are laid over.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LaidCurve {
-    /// Its name in the legends.
-    pub name: String,
-    /// Points that nothing joins, or a curve of a computation.
-    pub kind: LineKind,
-    /// Its points.
-    pub points: Vec<LaidPoint>,
-}
-
-/// What a table says of a point, NaN where it says nothing.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LaidPoint {
-    /// Its row among those with a frequency.
-    pub number: usize,
-    /// Frequency of the load, Hz.
-    pub frequency: f64,
-    /// Level, in the unit of the load.
-    pub level: f64,
-    /// Fundamental of the first contact, m.
-    pub fundamental: f64,
-    /// Fundamental of the drive point, m.
-    pub drive: f64,
-    /// Lag of the drive point, degrees.
-    pub lag: f64,
-    /// Largest contact force, N.
-    pub force: f64,
-}
+/// Fundamental of the first contact, that of the drive point, m, and largest contact force, N; NaN where it is unknown.
+type Sizes = [f64; 3];
 
 /// A point beside the curve of the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Beside {
-    laid: LaidPoint,
-    own: LaidPoint,
+    /// Its number among the rows of its table with a frequency.
+    number: usize,
+    /// Frequency of the load, Hz.
+    frequency: f64,
+    level: f64,
+    laid: Sizes,
+    own: Sizes,
+}
+
+fn sizes(point: &ModalPoint) -> Sizes {
+    [point.fundamental.abs(), figures::drive(point), point.peak_contact_force]
 }
 
 /// What is laid over the responses of a scene; of how many rows nothing is used, goes to the observer.
@@ -63,14 +42,7 @@ pub struct Beside {
 /// # Errors
 /// [`RunError`] at the overlay that cannot be read.
 pub fn read(file: &SceneFile, observer: &mut dyn Observer) -> Result<Vec<LaidCurve>, RunError> {
-    let mut all = Vec::new();
-    for (k, overlay) in file.scene.overlays.iter().enumerate() {
-        let (found, unused) =
-            read::curves(overlay).map_err(|error| refusal::at(file, &format!("overlay.{k}.path"), &error))?;
-        unused.sentence(&overlay.path).iter().for_each(|text| observer.event(Event::Warning(text)));
-        all.extend(found);
-    }
-    Ok(all)
+    Ok(overlay::read_all(file, &file.scene.overlays, observer, overlay::curves)?.concat())
 }
 
 /// Each point that lies within the curves over the frequency of this scene, beside the one that is nearest there.
@@ -79,80 +51,67 @@ pub fn beside(laid: &LaidCurve, curves: &[ComputedResponse]) -> Vec<Beside> {
     if !matches!(laid.kind, LineKind::Response | LineKind::Measured) {
         return Vec::new();
     }
-    let forced: Vec<Vec<LaidPoint>> = curves
+    let own: Vec<&[ModalPoint]> = curves
         .iter()
         .filter(|computed| computed.kind == ResponseKind::Frequency)
-        .map(|computed| {
-            let point = |(number, p): (usize, &ModalPoint)| LaidPoint {
-                number,
-                frequency: p.listed_omega() / TAU,
-                level: figures::level(p),
-                fundamental: p.fundamental.abs(),
-                drive: figures::drive(p),
-                lag: figures::lag(p),
-                force: p.peak_contact_force,
-            };
-            computed.branch.points.iter().enumerate().map(point).collect()
-        })
+        .map(|computed| computed.branch.points.as_slice())
         .collect();
-    laid.points.iter().filter_map(|point| nearest(point, &forced).map(|own| Beside { laid: *point, own })).collect()
+    let beside = |(k, point): (usize, &ModalPoint)| {
+        Some(Beside {
+            number: laid.first + k,
+            frequency: figures::hertz(point),
+            level: figures::level(point),
+            laid: sizes(point),
+            own: nearest(point, &own)?,
+        })
+    };
+    laid.branch.points.iter().enumerate().filter_map(beside).collect()
 }
 
-/// The point at the same frequency whose amplitude is nearest, of the curves of its level where it has one.
-fn nearest(point: &LaidPoint, curves: &[Vec<LaidPoint>]) -> Option<LaidPoint> {
-    let amplitude = |p: &LaidPoint| if point.fundamental.is_finite() { p.fundamental } else { p.drive };
-    let is_of_level = |curve: &&Vec<LaidPoint>| {
-        let level = curve.first().map_or(f64::NAN, |first| first.level);
-        point.level.is_nan() || (level - point.level).abs() <= SAME_LEVEL * point.level.abs()
+/// The motion at the same frequency whose amplitude is nearest, of the curves of its level where it has one.
+fn nearest(point: &ModalPoint, curves: &[&[ModalPoint]]) -> Option<Sizes> {
+    let (wanted, level, frequency) = (sizes(point), figures::level(point), figures::hertz(point));
+    let amplitude = usize::from(!wanted[0].is_finite());
+    let is_of_level = |curve: &&&[ModalPoint]| {
+        let own = curve.first().map_or(f64::NAN, figures::level);
+        level.is_nan() || (own - level).abs() <= SAME_LEVEL * level.abs()
     };
     let pairs = curves.iter().filter(is_of_level).flat_map(|curve| curve.windows(2));
     let crossings = pairs.filter_map(|pair| {
-        let (a, b) = (pair[0], pair[1]);
-        let digits = TABLE_DIGITS * point.frequency;
-        let within =
-            (a.frequency.min(b.frequency) - digits..=a.frequency.max(b.frequency) + digits).contains(&point.frequency);
-        let share = if a.frequency == b.frequency {
-            0.0
-        } else {
-            (point.frequency - a.frequency) / (b.frequency - a.frequency)
-        };
-        let at = |value: fn(&LaidPoint) -> f64| value(&a) + share * (value(&b) - value(&a));
-        within.then(|| LaidPoint {
-            frequency: point.frequency,
-            fundamental: at(|p| p.fundamental),
-            drive: at(|p| p.drive),
-            lag: at(|p| p.lag),
-            force: at(|p| p.force),
-            ..a
-        })
+        let [a, b] = [figures::hertz(&pair[0]), figures::hertz(&pair[1])];
+        let digits = TABLE_DIGITS * frequency;
+        let within = (a.min(b) - digits..=a.max(b) + digits).contains(&frequency);
+        let share = if a == b { 0.0 } else { (frequency - a) / (b - a) };
+        let ends = [sizes(&pair[0]), sizes(&pair[1])];
+        within.then(|| [0, 1, 2].map(|k| ends[0][k] + share * (ends[1][k] - ends[0][k])))
     });
-    let off = |p: &LaidPoint| (amplitude(p) - amplitude(point)).abs();
-    crossings.filter(|p| off(p).is_finite()).min_by(|a, b| off(a).total_cmp(&off(b)))
+    let off = |found: &Sizes| (found[amplitude] - wanted[amplitude]).abs();
+    crossings.filter(|found| off(found).is_finite()).min_by(|a, b| off(a).total_cmp(&off(b)))
 }
 
 /// What is to be said of points that have no counterpart; nothing where all have one, or where none can have one.
 pub fn left_out(laid: &LaidCurve, found: &[Beside]) -> Option<String> {
-    let (all, left) = (laid.points.len(), laid.points.len() - found.len());
+    let (all, left) = (laid.branch.points.len(), laid.branch.points.len() - found.len());
     if left == 0 || !matches!(laid.kind, LineKind::Response | LineKind::Measured) {
         return None;
     }
     Some(format!(
         "overlay {}: {left} of its {all} points have no response of this scene at their frequency and level, or no amplitude; they are drawn and not compared",
-        laid.name
+        laid.branch.label
     ))
 }
 
 /// Whether what is laid over moves more or less, in a sentence.
 pub fn sentence(laid: &LaidCurve, found: &[Beside]) -> String {
-    let name = &laid.name;
-    let part = |what: &str, value: fn(&LaidPoint) -> f64| {
-        let (range, points) = percent(found.iter().map(|beside| (value(&beside.laid), value(&beside.own))))?;
+    let name = &laid.branch.label;
+    let part = |what: &str, k: usize| {
+        let (range, points) = percent(found.iter().map(|beside| (beside.laid[k], beside.own[k])))?;
         Some(format!("{what} differs {}", by(range, points)))
     };
     let parts = [
-        part("its fundamental at the first contact", |p| p.fundamental),
-        part("its fundamental at the drive point", |p| p.drive),
-        part("its largest contact force", |p| p.force),
+        part("its fundamental at the first contact", 0),
+        part("its fundamental at the drive point", 1),
+        part("its largest contact force", 2),
     ];
     let parts: Vec<String> = parts.into_iter().flatten().collect();
     if parts.is_empty() {
@@ -169,43 +128,50 @@ pub fn write(directory: &Path, all: &[(LaidCurve, Vec<Beside>)]) -> Result<(), R
     if all.is_empty() {
         return Ok(());
     }
-    let row = |name: &str, Beside { laid, own }: &Beside| ResponseDifferenceRow {
+    let row = |name: &str, beside: &Beside| ResponseDifferenceRow {
         overlay: name.to_owned(),
-        point: laid.number,
-        frequency_hz: laid.frequency,
-        level: laid.level,
-        fundamental_m: laid.fundamental,
-        curve_fundamental_m: own.fundamental,
-        drive_fundamental_m: laid.drive,
-        curve_drive_fundamental_m: own.drive,
-        peak_contact_force_n: laid.force,
-        curve_peak_contact_force_n: own.force,
+        point: beside.number,
+        frequency_hz: beside.frequency,
+        level: beside.level,
+        fundamental_m: beside.laid[0],
+        curve_fundamental_m: beside.own[0],
+        drive_fundamental_m: beside.laid[1],
+        curve_drive_fundamental_m: beside.own[1],
+        peak_contact_force_n: beside.laid[2],
+        curve_peak_contact_force_n: beside.own[2],
     };
-    let rows = all.iter().flat_map(|(laid, found)| found.iter().map(move |beside| row(&laid.name, beside)));
+    let rows = all.iter().flat_map(|(laid, found)| found.iter().map(move |beside| row(&laid.branch.label, beside)));
     write_rows(directory.join("response_overlay.csv"), &ResponseDifferenceRow::unknown(), rows)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nlmodes::modal::Driven;
+    use std::f64::consts::TAU;
 
     #[test]
     fn the_nearest_branch_of_the_same_level_counts() {
         for unit in [1.0, 1e-6] {
-            let point = |frequency, level, amplitude: f64| LaidPoint {
-                number: 0,
-                frequency,
-                level,
-                fundamental: amplitude * unit,
-                drive: f64::NAN,
-                lag: f64::NAN,
-                force: 0.0,
+            let point = |frequency: f64, level: f64, amplitude: f64| {
+                let driven = Driven {
+                    omega: TAU * frequency,
+                    level: Some(level),
+                    force: None,
+                    drive: None,
+                    input_power: None,
+                    dissipated_power: 0.0,
+                    damping_ratio: None,
+                    indicator: None,
+                    mode_distance: None,
+                };
+                ModalPoint { fundamental: amplitude * unit, driven: Some(driven), ..ModalPoint::default() }
             };
             // A curve that bends over: 1 to 3 on the way up, back at 5; another level far above.
             let bent = vec![point(10.0, 4.0, 1.0), point(12.0, 4.0, 3.0), point(10.0, 4.0, 5.0)];
             let other = vec![point(10.0, 6.0, 1.6), point(12.0, 6.0, 1.6)];
-            let all = [bent, other];
-            let near = |level, amplitude| nearest(&point(11.0, level, amplitude), &all).map(|p| p.fundamental / unit);
+            let all = [bent.as_slice(), other.as_slice()];
+            let near = |level, amplitude| nearest(&point(11.0, level, amplitude), &all).map(|found| found[0] / unit);
             assert!((near(4.0, 1.5).unwrap() - 2.0).abs() < 1e-12);
             assert!((near(4.0, 3.9).unwrap() - 4.0).abs() < 1e-12);
             assert!((near(f64::NAN, 1.5).unwrap() - 1.6).abs() < 1e-12);

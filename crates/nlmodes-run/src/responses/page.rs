@@ -18,6 +18,7 @@ use crate::curve::Curve;
 use crate::curve::histories::Reference;
 use crate::curve::page::{self, Certified, Content};
 use crate::curve::space::Period;
+use crate::curve::stops::held_ends;
 
 /// What is on the page beside the curves.
 pub struct Shown<'a> {
@@ -46,6 +47,8 @@ pub fn write(
     let (harmonics, modes) = (scene.method.harmonics, model.open_modes().n_modes());
     let without = all.iter().filter_map(|one| Some(format!("{}: {}", one.branch.label, one.said().err()?)));
     let content = Content {
+        title: &scene.title,
+        held: each.first().map_or_else(Vec::new, |first| held_ends(scene, first.branch())),
         lines: vec![format!("Damped and forced motions; {harmonics} harmonics, {modes} modes")],
         further_lines: shown.sentences.into_iter().chain(without).collect(),
         warnings: model.warnings.clone(),
@@ -57,7 +60,7 @@ pub fn write(
         ..Content::default()
     };
     let (figures, is_overlaid) = (shown.figures, shown.is_overlaid);
-    page::write(directory, scene, &each, content, |mut report| {
+    page::write(directory, &each, content, |mut report| {
         report = report.kinds(&curves.iter().map(|curve| kind(curve.kind())).collect::<Vec<_>>());
         for (label, value) in quantities(model.unit) {
             let of = |curve: &&dyn Curve| curve.branch().points.iter().map(value).collect();

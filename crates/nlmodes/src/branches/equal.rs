@@ -1,7 +1,7 @@
 //! Points of a branch that have the modal amplitude of another's, to compare their motions.
 
 use nlmodes_hbm::RealSeries;
-use nlmodes_modal::{Event, ModalPoint, TimeHistory};
+use nlmodes_modal::{Event, ModalPoint};
 
 use super::prepare::periodic;
 use super::start::one_point;
@@ -84,27 +84,5 @@ impl ComputedBranch {
             last = Some(end);
         }
         Ok(None)
-    }
-
-    /// Motion and force of contact `contact` over one period of a solution between the points.
-    ///
-    /// # Errors
-    /// [`BranchError`] if it cannot be evaluated again.
-    ///
-    /// # Panics
-    /// If there is no such contact.
-    pub fn time_history_of(
-        &self,
-        solution: &PointBetween,
-        contact: usize,
-        samples: usize,
-        label: &str,
-    ) -> Result<TimeHistory, BranchError> {
-        let mut settings = self.settings.clone();
-        if settings.accuracy.is_some() {
-            settings.harmonics = solution.point.coefficients.n_harmonics();
-        }
-        let mut problem = periodic(&self.structure, &settings, &self.grazing)?;
-        Ok(problem.time_history(&solution.unknowns, contact, samples, label)?)
     }
 }

@@ -4,7 +4,7 @@ use nlmodes::modal::EndReason;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
-use nlmodes::branches::{BranchSettings, ComputedBranch, compute_branch};
+use nlmodes::branches::{BranchSettings, ComputedBranch, Histories, compute_branch};
 use nlmodes::fem::{Beam, Direction, MassMatrix, Material, Mesh, Section, Stop, Support};
 use nlmodes::model::{Drop, MasslessContactModel, Side, StructuralModel};
 
@@ -102,7 +102,7 @@ fn a_solution_between_two_points_has_the_amplitude_of_the_other_method() {
     let last = other.branch.points.last().unwrap();
     assert!((found.point.omega / last.omega - 1.0).abs() < 1e-10);
     assert!((amplitude / last.modal_amplitude - 1.0).abs() < 1e-8);
-    let history = computed.time_history_of(&found, 0, 400, "between").unwrap();
+    let history = &Histories::of(&computed).between(&found, 400, "between").unwrap()[0];
     let peak = history.force.iter().fold(0.0_f64, |m, f| m.max(*f));
     assert!((peak / last.peak_contact_force - 1.0).abs() < 1e-3, "{peak} {}", last.peak_contact_force);
     assert!(computed.at_amplitude(10.0 * amplitude, points[5].omega).unwrap().is_none());

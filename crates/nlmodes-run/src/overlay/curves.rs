@@ -1,40 +1,47 @@
-//! Tables of responses.
+//! Curves of damped and forced motions that are laid over: those of a table of responses, or measured points.
 
+use std::f64::consts::TAU;
+
+use nlmodes::modal::{BranchEnd, Driven, ModalBranch, ModalPoint};
 use nlmodes::report::LineKind;
 use nlmodes::report::columns::{BranchRow, ResponseRow};
 use nlmodes_scene::scene::Overlay;
+use num_complex::Complex64;
 
-use super::{LaidCurve, LaidPoint};
-use crate::overlay::{NO_FREQUENCY, OverlayError, Unused};
-use crate::sheet::Sheet;
+use super::read::Points;
+use super::{OverlayError, Unused};
 
 /// Table of a folder of results.
 const TABLE: &str = "branch.csv";
-/// Most rows that are read.
-const MOST_ROWS: usize = 1_000_000;
+
+/// A curve, or measured points, that are laid over.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct LaidCurve {
+    /// Points that nothing joins, or a curve of a computation.
+    pub kind: LineKind,
+    /// The points, with their name; what the table does not say is NaN.
+    pub branch: ModalBranch,
+    /// Number of the first of them among the rows with a frequency.
+    pub first: usize,
+    /// Whether lags are known.
+    pub has_lag: bool,
+}
 
 /// The curves of a table, one for each of its columns `response` and `curve` where it has these, and the rows that are
 /// not used.
-pub(super) fn curves(overlay: &Overlay) -> Result<(Vec<LaidCurve>, Unused), OverlayError> {
+pub(crate) fn curves(overlay: &Overlay) -> Result<(Vec<LaidCurve>, Unused), OverlayError> {
     let path = if overlay.path.is_dir() { overlay.path.join(TABLE) } else { overlay.path.clone() };
     if overlay.path.is_dir() && !path.is_file() {
         return Err(OverlayError::NoResponses(overlay.path.clone()));
     }
-    let mut table = Sheet::open(&path)?;
-    table.needed("frequency_hz")?;
-    if table.column("fundamental_m").or(table.column("drive_fundamental_m")).is_none() {
-        return Err(table.missing("fundamental_m or drive_fundamental_m").into());
-    }
-    let (own, beside) = (table.places::<BranchRow>(), table.places::<ResponseRow>());
-    let is_computed = path.ends_with(TABLE);
+    let either = ["fundamental_m", "drive_fundamental_m"];
+    let mut table = Points::open(path.clone(), either, "fundamental_m or drive_fundamental_m")?;
+    let beside = table.sheet.places::<ResponseRow>();
+    let (is_computed, has_lag) = (path.ends_with(TABLE), table.sheet.column("drive_lag_deg").is_some());
     let mut all: Vec<((usize, usize), LaidCurve)> = Vec::new();
-    let (mut number, mut unused) = (0, Unused::default());
+    let mut number = 0;
     while let Some(row) = table.row()? {
-        unused.rows += 1;
-        if unused.rows > MOST_ROWS {
-            return Err(OverlayError::TooManyRows(path));
-        }
-        let (read, response): (BranchRow, ResponseRow) = (table.read(&row, &own)?, table.read(&row, &beside)?);
+        let response: ResponseRow = table.sheet.read(&row, &beside)?;
         let kind = match response.kind.as_str() {
             "" | "frequency" if is_computed => LineKind::Response,
             "" | "frequency" => LineKind::Measured,
@@ -43,47 +50,48 @@ pub(super) fn curves(overlay: &Overlay) -> Result<(Vec<LaidCurve>, Unused), Over
             "mode" => LineKind::Mode,
             // Those over the level, and forces that appropriate a mode, are no curves over the frequency.
             _ => {
-                unused.add("of kinds that are no curves over the frequency", row.line);
+                table.unused.add("of kinds that are no curves over the frequency", row.line);
                 continue;
             }
         };
-        let Some(point) = point(&read, &response, number) else {
-            unused.add(NO_FREQUENCY, row.line);
-            continue;
-        };
-        number += 1;
+        let Some(read) = table.point(&row)? else { continue };
         let of = (response.response, response.curve);
         if all.last().is_none_or(|(before, _)| *before != of) {
-            let name = match response.name.as_str() {
+            let label = match response.name.as_str() {
                 "" => overlay.label.clone(),
                 name => format!("{}: {name}", overlay.label),
             };
-            all.push((of, LaidCurve { name, kind, points: Vec::new() }));
+            let end = BranchEnd::given(format!("from {}", path.display()));
+            let (coordinates, points) = (Vec::new(), Vec::new());
+            let branch = ModalBranch { label, coordinates, contact_coordinate: None, stop: None, points, end };
+            all.push((of, LaidCurve { kind, branch, first: number, has_lag }));
         }
+        number += 1;
         if let Some((_, curve)) = all.last_mut() {
-            curve.points.push(point);
+            curve.branch.points.push(point(read, &response));
         }
     }
     if number == 0 {
         return Err(OverlayError::NoPoint(path));
     }
-    Ok((all.into_iter().map(|(_, curve)| curve).collect(), unused))
+    Ok((all.into_iter().map(|(_, curve)| curve).collect(), table.unused))
 }
 
-/// The point of a row; `None` without a frequency.
-fn point(own: &BranchRow, response: &ResponseRow, number: usize) -> Option<LaidPoint> {
-    let known = |value: Option<f64>| value.unwrap_or(f64::NAN);
-    let point = LaidPoint {
-        number,
-        frequency: own.frequency_hz,
-        level: known(response.level),
-        // Of a nonlinear mode it has the sign of its phase.
-        fundamental: own.fundamental_m.abs(),
-        drive: known(response.drive_fundamental_m).abs(),
-        lag: known(response.drive_lag_deg),
-        force: own.peak_contact_force_n,
+/// The point of a row.
+fn point(own: BranchRow, response: &ResponseRow) -> ModalPoint {
+    let (drive, lag) = (response.drive_fundamental_m, response.drive_lag_deg.unwrap_or(0.0));
+    let driven = Driven {
+        omega: TAU * own.frequency_hz,
+        level: Some(response.level.unwrap_or(f64::NAN)),
+        force: response.force_n,
+        drive: drive.map(|drive| Complex64::from_polar(drive.abs(), -lag.to_radians())),
+        input_power: response.input_power_w,
+        dissipated_power: response.dissipated_power_w.unwrap_or(f64::NAN),
+        damping_ratio: response.damping_ratio,
+        indicator: response.pbmif,
+        mode_distance: response.mode_distance,
     };
-    Some(point).filter(|point| point.frequency > 0.0)
+    ModalPoint { driven: Some(driven), ..own.point(Vec::new()) }
 }
 
 #[cfg(test)]
@@ -106,12 +114,12 @@ mod tests {
         let wanted = "branch.csv: 2 of 5 rows are not used: 1 without a frequency above 0 Hz (line 4), 1 of kinds that are no curves over the frequency (line 6)";
         assert_eq!(said, wanted);
         assert_eq!(
-            found.iter().map(|c| (c.name.as_str(), c.kind, c.points.len())).collect::<Vec<_>>(),
+            found.iter().map(|c| (c.branch.label.as_str(), c.kind, c.branch.points.len())).collect::<Vec<_>>(),
             [("test: 4 N", LineKind::Response, 2), ("test: mode", LineKind::Mode, 1)]
         );
-        assert_eq!((found[0].points[1].fundamental, found[1].points[0].number), (2e-3, 2));
+        assert_eq!((found[0].branch.points[1].fundamental, found[1].first), (-2e-3, 2));
         let (found, _) = read_table("rig.csv", "frequency_hz,drive_fundamental_m\n40,1e-3\n").unwrap();
-        assert_eq!((found[0].kind, found[0].name.as_str()), (LineKind::Measured, "test"));
+        assert_eq!((found[0].kind, found[0].branch.label.as_str()), (LineKind::Measured, "test"));
         let error = read_table("rig.csv", "frequency_hz,amplitude\n40,1e-3\n").unwrap_err();
         assert!(error.to_string().contains("fundamental_m or drive_fundamental_m"), "{error}");
         let error = read_table("rig.csv", "frequency_hz,fundamental_m\n40,1e-3\n41,abc\n").unwrap_err();
