@@ -87,6 +87,7 @@ mod step_control;
 mod system;
 mod tree;
 mod vectors;
+mod watch;
 
 pub use boundary::Boundary;
 pub use branch::{Branch, BranchPoint, EventKind, StopReason};
@@ -101,3 +102,4 @@ pub use solver::{DenseSolver, LinearSolver, SparseSolver};
 pub use step::StepSettings;
 pub use system::{Linearization, ParametricSystem};
 pub use tree::{BranchTree, Origin, TreeBranch};
+pub use watch::{Ended, Watch, Watched, WatchedError, WatchedLog};

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use nlmodes::branches::{Doing, Watch};
+use nlmodes::branches::{FOLLOWING, Watch};
 use nlmodes_run::{Event, Observer};
 use pyo3::prelude::*;
 
@@ -85,9 +85,9 @@ impl Looking {
         of(&self.told).1 = text;
     }
 
-    fn doing(&self, doing: Doing) {
-        if doing != Doing::Branch && self.progress.is_some() {
-            of(&self.told).1 = doing.to_string();
+    fn doing(&self, doing: &str) {
+        if doing != FOLLOWING && self.progress.is_some() {
+            of(&self.told).1 = doing.to_owned();
         }
     }
 }

@@ -25,11 +25,8 @@ pub(crate) struct Curve<'a> {
 
 impl Curve<'_> {
     pub fn run(&mut self) -> Result<Branch, ResponseError> {
-        let cancel = self.settings.cancel.clone();
-        self.run_watched(&mut |_| match cancel.is_requested() {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
-        })
+        let watch = &self.settings.watch;
+        self.run_watched(&mut |_| watch.lets_go_on())
     }
 
     /// As [`run`](Self::run), as long as `watch` lets it.
@@ -55,11 +52,7 @@ impl Curve<'_> {
             ..Continuation::default()
         };
         self.system.hold_phase(&self.x);
-        let cancel = &self.settings.cancel;
-        let watch = |_: usize, _: &BranchPoint| match cancel.is_requested() {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
-        };
+        let watch = |_: usize, _: &BranchPoint| self.settings.watch.lets_go_on();
         let mut log = self.settings.log.clone();
         let (system, direction) = (&mut self.system, &self.direction);
         let tree = method.run_tree_with_log(system, &self.x, self.p, direction, most, &mut log, watch)?;
@@ -127,7 +120,7 @@ impl Curve<'_> {
             motion.displacement(&drive.row)[drive.harmonic] + moved.sum::<Complex64>()
         });
         // Of a long curve the multipliers take longer than who asks for an end waits.
-        let stability = match self.settings.stability && !self.settings.cancel.is_requested() {
+        let stability = match self.settings.stability && !self.settings.watch.asks_to_end() {
             true => Some(self.stability(&x, p)?),
             false => None,
         };

@@ -46,7 +46,6 @@
 
 mod analyses;
 mod base_motion;
-mod cancel;
 mod curve;
 mod damping;
 mod error;
@@ -64,7 +63,6 @@ pub use analyses::{
     force_response, frequency_response, lies_on, phase_resonance, response_from_other_end,
 };
 pub use base_motion::{BaseMotion, BaseUnit};
-pub use cancel::Cancel;
 pub use nlmodes_modal::{BranchEnd, EndReason, Event, Stability};
 
 pub use curve::{ResponseCurve, ResponsePoint};

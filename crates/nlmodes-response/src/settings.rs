@@ -1,7 +1,7 @@
-use nlmodes_continuation::Bound;
+use nlmodes_continuation::{Bound, Watch};
 use nlmodes_hbm::{Coordinates, PeriodicSettings, Switching};
 
-use crate::{Cancel, ResponseError, StepLog};
+use crate::{ResponseError, StepLog};
 
 /// What distinguishes one curve from another on the same structure.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,8 +32,8 @@ pub struct ResponseSettings {
     pub max_branches: usize,
     /// Levels at which phase resonances are to be reported. Default none.
     pub levels: Vec<f64>,
-    /// Cancellation of a curve. Default none.
-    pub cancel: Cancel,
+    /// Who may end a curve between two of its points. Default nobody.
+    pub watch: Watch,
     /// Where the steps of curves are kept. Default nowhere.
     pub log: StepLog,
 }
@@ -55,7 +55,7 @@ impl ResponseSettings {
             max_points: 2000,
             max_branches: 20,
             levels: Vec::new(),
-            cancel: Cancel::default(),
+            watch: Watch::default(),
             log: StepLog::default(),
         }
     }

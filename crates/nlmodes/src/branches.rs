@@ -28,7 +28,9 @@ mod start;
 mod touching;
 mod trace;
 mod viewer;
-mod watch;
+
+/// What a computation is said to be doing while it finds points.
+pub const FOLLOWING: &str = "following the branch";
 
 pub use accuracy::{Accuracy, AccuracyReached};
 pub use beyond::BeyondAccuracy;
@@ -39,8 +41,8 @@ pub use error::BranchError;
 pub use events::event_of;
 pub use histories::Histories;
 pub use left::LeftMode;
+pub use nlmodes_continuation::{Ended, Watch};
 pub use periodic::PeriodicError;
 pub use points::{figure_points, reference_points, way_points};
 pub use refuse::check_branch;
 pub use settings::{BranchMethod, BranchPointRule, BranchSettings, BranchStart, ResonanceRule, StabilityRule};
-pub use watch::{Doing, Ended, Watch};

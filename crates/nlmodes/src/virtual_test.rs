@@ -12,7 +12,7 @@ use nlmodes_rig::{
     RigSetup, Sensor, SensorPlace, Stop, VirtualTest,
 };
 
-use crate::branches::{Doing, Ended, Watch};
+use crate::branches::{Ended, Watch};
 
 /// Channel of the excitation force in [`Bench::setup`].
 pub const FORCE: usize = 0;
@@ -252,7 +252,7 @@ pub fn run_while(
 ) -> TestRun {
     let mut levels = Vec::with_capacity(test.schedule.levels.len());
     let asking = watch.clone();
-    let asked = move || match asking.begins(Doing::Level) {
+    let asked = move || match asking.begins("bringing the rig to its next level") {
         Ok(()) => ControlFlow::Continue(()),
         Err(Ended) => ControlFlow::Break(()),
     };

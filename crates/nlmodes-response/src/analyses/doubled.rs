@@ -35,7 +35,7 @@ pub(super) fn doubled_responses(
     let first = curve.follow(omega)?;
     let mut all = vec![over_two_periods(&first, settings.harmonics)];
     for point in first.points.iter().filter(|point| is_located(point)) {
-        if settings.cancel.is_requested() || all.iter().skip(1).any(|known| has_arrived(known, point)) {
+        if settings.watch.asks_to_end() || all.iter().skip(1).any(|known| has_arrived(known, point)) {
             continue;
         }
         let p = point.omega / omega.1;
@@ -83,13 +83,13 @@ fn leave(
         curve.x = center.iter().zip(&direction).map(|(x, d)| x + off * size / stretch * d).collect();
         let mut before: Option<Vec<f64>> = None;
         let mut has_crossed = false;
-        let cancel = settings.cancel.clone();
+        let watch = settings.watch.clone();
         let mut watch = |point: &BranchPoint| {
             let now = subharmonic.part(&point.x);
             // On the other side lie the same motions, shifted by a period of the load.
             has_crossed = before.as_ref().is_some_and(|before| dot(before, &now) <= 0.0);
             before = Some(now);
-            if has_crossed || cancel.is_requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            if has_crossed || watch.asks_to_end() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         // Where Newton's method finds no motion at this amplitude, another one is tried.
         let Ok(mut branch) = curve.run_watched(&mut watch) else { continue };

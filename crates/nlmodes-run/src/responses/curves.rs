@@ -7,9 +7,9 @@ use nlmodes::branches::Watch;
 use nlmodes::hbm::Coordinates;
 use nlmodes::modal::{ModalBranch, ModalPoint, Participation};
 use nlmodes::response::{
-    Appropriation, Cancel, EndReason, Event, ResponseCurve, ResponseError, ResponseModel, ResponsePoint,
-    ResponseSettings, StepLog, appropriation, branching_responses, conservative_mode, damped_mode, detached_response,
-    force_response, frequency_response, lies_on, phase_resonance, response_from_other_end,
+    Appropriation, EndReason, Event, ResponseCurve, ResponseError, ResponseModel, ResponsePoint, ResponseSettings,
+    StepLog, appropriation, branching_responses, conservative_mode, damped_mode, detached_response, force_response,
+    frequency_response, lies_on, phase_resonance, response_from_other_end,
 };
 use nlmodes_scene::number;
 use nlmodes_scene::scene::{AtBranchPoint, Response, ResponseKind, Scene, StabilityChoice, Switching};
@@ -146,8 +146,7 @@ pub fn follow(
     watch: Watch,
 ) -> Vec<ComputedResponse> {
     let began = Instant::now();
-    let cancel = Cancel::new(move || watch.asks_to_end());
-    let settings = ResponseSettings { cancel, log: log.clone(), ..settings(model, scene, &job) };
+    let settings = ResponseSettings { watch, log: log.clone(), ..settings(model, scene, &job) };
     let computed = |(branch, participation, at_levels), motions, appropriations| ComputedResponse {
         response: job.response,
         kind: job.wanted.kind,
@@ -221,7 +220,7 @@ fn appropriations(
     settings: &ResponseSettings,
 ) -> Result<Vec<Appropriation>, ResponseError> {
     let one = |point: &ResponsePoint| appropriation(system, point, &model.force_places, controlled, settings);
-    curve.points.iter().take_while(|_| !settings.cancel.is_requested()).map(one).collect()
+    curve.points.iter().take_while(|_| !settings.watch.asks_to_end()).map(one).collect()
 }
 
 fn curve(

@@ -7,8 +7,7 @@ use nlmodes::linalg::sparse_from_triplets;
 use nlmodes::modal::ModalBranch;
 use nlmodes::model::{ContactLaw, Side};
 use nlmodes::response::{
-    Cancel, Damping, ResponseCurve, ResponseModel, ResponsePoint, ResponseSettings, Weights, damped_mode,
-    phase_resonance,
+    Damping, ResponseCurve, ResponseModel, ResponsePoint, ResponseSettings, Weights, damped_mode, phase_resonance,
 };
 use nlmodes::rig::RigError;
 use nlmodes_reduction::{ModeCount, OpenModes};
@@ -41,13 +40,12 @@ pub fn compute(
 ) -> Result<ModalBranch, Failure> {
     let (model, drive) = model(rig)?;
     let mode = (scene.settings.mode - 1).min(rig.bench.omega.len() - 1);
-    let watch = watch.clone();
     let settings = ResponseSettings {
         harmonics: wanted.harmonics,
         mode: mode + 1,
         lag: scene.control.lag_deg.to_radians(),
         stability: false,
-        cancel: Cancel::new(move || watch.asks_to_end()),
+        watch: watch.clone(),
         ..ResponseSettings::new([BELOW * rig.bench.omega[mode], TAU * wanted.end_hz])
     };
     let (curve, name) = match method {

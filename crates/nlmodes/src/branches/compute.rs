@@ -1,7 +1,7 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use nlmodes_continuation::{RunLog, TreeBranch};
+use nlmodes_continuation::{RunLog, TreeBranch, WatchedLog};
 use nlmodes_hbm::{CondensedStructure, Grazing, Symmetry, grazing};
 use nlmodes_modal::{BranchEnd, Event, ModalPoint};
 use nlmodes_model::MasslessContactModel;
@@ -13,9 +13,8 @@ use super::prepare::{check_window, condense, exact, linear_start, shooting_modes
 use super::skip;
 use super::start::{Seed, seed};
 use super::trace::Tracer;
-use super::watch::WatchedLog;
 use super::{
-    AccuracyReached, BranchError, BranchMethod, BranchPointRule, BranchSettings, BranchStart, Doing, Ended,
+    AccuracyReached, BranchError, BranchMethod, BranchPointRule, BranchSettings, BranchStart, Ended, FOLLOWING,
     ResonanceRule,
 };
 
@@ -113,7 +112,7 @@ fn with_modes(
     let seed = seed(&structure, settings, &start, &mut tracer.problem, tracer.log)?;
     let from_grazing = settings.start == BranchStart::Grazing && !start.touches_at_rest();
     let start_event = if from_grazing { Event::Grazing } else { Event::Start };
-    settings.watch.begins(Doing::Branch)?;
+    settings.watch.begins(FOLLOWING)?;
     let (traced, not_followed) = match (settings.at_branch_point, settings.internal_resonance) {
         (BranchPointRule::All, _) => all(&mut tracer, &seed, start_event, observe)?,
         (_, ResonanceRule::Skip) => {

@@ -12,7 +12,7 @@ use nlmodes_timestep::{GalerkinReduction, MAX_SHOOTING_MODES, ModeShooting, Time
 
 use super::open_mode::OpenMode;
 use super::periodic::Periodic;
-use super::{BranchError, BranchMethod, BranchPointRule, BranchSettings, BranchStart, Doing};
+use super::{BranchError, BranchMethod, BranchPointRule, BranchSettings, BranchStart};
 
 /// Lowest energy, over that at grazing, down to which a branch is followed: a linear mode that fades out.
 const MIN_ENERGY_RATIO: f64 = 1e-3;
@@ -29,13 +29,16 @@ const ALL_HELD_MODES: usize = 400;
 /// No more are computed at first where not all are: how far they reach tells how many it takes.
 const MOST_HELD_MODES_AT_FIRST: usize = 64;
 
+/// What is done before a branch begins.
+const LINEAR_MODES: &str = "computing linear modes";
+
 /// The structure with the held modes that the settings ask for, where an accuracy chooses them with `at_least` so many.
 pub(super) fn condense(
     model: MasslessContactModel,
     settings: &BranchSettings,
     at_least: usize,
 ) -> Result<CondensedStructure, BranchError> {
-    settings.watch.begins(Doing::Modes)?;
+    settings.watch.begins(LINEAR_MODES)?;
     let size = model.linear_dofs().len();
     if let Some(accuracy) = settings.accuracy {
         return super::accuracy::condense(model, settings, accuracy, at_least);
@@ -49,7 +52,7 @@ pub(super) fn condense(
     // Stiffness and mass of what is left out are kept, which leaves an error of about (ν/ω_last)⁴ of the modes beyond.
     let mut count = (32 + 8 * settings.harmonics).min(MOST_HELD_MODES_AT_FIRST);
     loop {
-        settings.watch.begins(Doing::Modes)?;
+        settings.watch.begins(LINEAR_MODES)?;
         let structure = CondensedStructure::new(model.clone(), count.min(size))?;
         let top = settings.frequency_hz.map(|w| w[1] * TAU);
         let top = top.map_or_else(|| Ok(2.0 * linear_start(&structure, settings)?.omega), Ok::<f64, BranchError>)?;

@@ -10,7 +10,7 @@ use super::branch::branch_end;
 use super::found::{First, Found, Shown};
 use super::start::{Seed, Target, heading, refined};
 use super::trace::Tracer;
-use super::{BranchError, BranchProgress, Doing};
+use super::{BranchError, BranchProgress, FOLLOWING};
 
 /// Share of the kinetic energy in the resonant harmonic at the foot of a tongue, where the branch beside it has less
 /// than half of that.
@@ -45,7 +45,7 @@ pub(super) fn follow(
     loop {
         let (mut count, limit, mut resonance) = (all.points.len(), tracer.settings.max_points, None);
         let watch = tracer.settings.watch.clone();
-        let _ = watch.begins(Doing::Branch);
+        let _ = watch.begins(FOLLOWING);
         let before = all.points.len();
         let traced = tracer.trace(&seed, None, first, |shown| {
             let point = match shown {

@@ -2,14 +2,13 @@
 
 use std::ops::ControlFlow;
 
-use nlmodes_continuation::Continuation;
+use nlmodes_continuation::{Continuation, Watched};
 use nlmodes_hbm::Grazing;
 use nlmodes_modal::{ModalPoint, Stability};
 use nlmodes_model::MasslessContactModel;
 use nlmodes_timestep::{GalerkinReduction, MAX_SHOOTING_MODES, ModeShooting};
 
 use super::periodic::Periodic;
-use super::watch::Watched;
 use super::{BranchMethod, BranchSettings, StabilityRule, Watch};
 
 /// Modes up to which the multipliers of a motion in harmonics cost no more than the motion itself.

@@ -10,7 +10,7 @@ use super::periodic::Periodic;
 use super::prepare::{continuation, periodic, problem, within_window};
 use super::touching::beginning;
 use super::trace::Tracer;
-use super::{BranchError, BranchMethod, BranchSettings, BranchStart, Doing};
+use super::{BranchError, BranchMethod, BranchSettings, BranchStart};
 
 /// Most points on the way to a start.
 const APPROACH: usize = 1000;
@@ -78,10 +78,11 @@ impl Target {
         }
     }
 
-    fn sought(self) -> Doing {
+    /// What it is to seek it, in words.
+    fn sought(self) -> String {
         match self {
-            Self::Frequency(hz) => Doing::BackboneAtFrequency(hz),
-            Self::Energy(ratio) => Doing::BackboneAtEnergy(ratio),
+            Self::Frequency(hz) => format!("looking for the backbone at {hz:.4} Hz"),
+            Self::Energy(ratio) => format!("looking for the backbone at {ratio} grazing energies"),
         }
     }
 
@@ -116,7 +117,7 @@ pub(super) fn seed(
         BranchStart::Frequency { hz, upward } => (Target::Frequency(hz), upward),
         BranchStart::Energy { ratio, upward } => (Target::Energy(ratio), upward),
         BranchStart::Grazing => {
-            settings.watch.begins(Doing::Start)?;
+            settings.watch.begins("looking for the beginning of the branch")?;
             let seed = beginning(problem, settings, start, log)?;
             if start.touches_at_rest() {
                 within_window(settings, problem.omega(&seed.x) / TAU)?;

@@ -3,15 +3,14 @@
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
-use nlmodes_continuation::{Bound, Continuation, ParametricSystem, RunLog, StopReason};
+use nlmodes_continuation::{Bound, Continuation, ParametricSystem, RunLog, StopReason, Watched};
 use nlmodes_hbm::{CondensedStructure, Grazing, RealSeries};
 
 use super::homotopy::{self, Effort};
 use super::periodic::Periodic;
 use super::prepare::{periodic, problem};
 use super::start::{FEW, Seed, ladder, one_point};
-use super::watch::Watched;
-use super::{BranchError, BranchSettings, Doing};
+use super::{BranchError, BranchSettings};
 
 /// Most points on the way from contacts that stand back to contacts that touch.
 const MOST: usize = 1000;
@@ -117,7 +116,7 @@ fn before_touching_contacts(
     start: &Grazing,
     log: &mut dyn RunLog,
 ) -> Result<Seed, BranchError> {
-    settings.watch.begins(Doing::Touching)?;
+    settings.watch.begins("looking for the motion before contacts that touch at rest")?;
     let mut failure = None;
     for first in FEW.into_iter().filter(|few| *few == 1 || *few < settings.harmonics) {
         match refined_from(structure, settings, start, first, log) {

@@ -1,74 +1,17 @@
-//! Who looks on while a branch is computed, and may end it.
+//! Who looks on while something is computed, and may end it.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::ops::ControlFlow;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
-use nlmodes_continuation::{
-    Boundary, Correction, LinearSolver, Linearization, ParametricSystem, RunLog, Scaling, StepRecord,
-};
 use thiserror::Error;
 
-/// What a computation is doing.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub enum Doing {
-    /// It computes linear modes.
-    Modes,
-    /// It seeks the beginning of a branch, at the linear mode.
-    Start,
-    /// It seeks the backbone at a frequency, Hz: a start there, or the way on behind a tongue.
-    BackboneAtFrequency(f64),
-    /// It seeks the backbone at an averaged kinetic energy, over that at grazing.
-    BackboneAtEnergy(f64),
-    /// It seeks the motion before contacts that touch at rest.
-    Touching,
-    /// It brings a virtual test to its next level.
-    Level,
-    /// It follows a branch.
-    Branch,
-}
+use crate::{Boundary, Correction, LinearSolver, Linearization, ParametricSystem, RunLog, Scaling, StepRecord};
 
-impl Doing {
-    const fn code(self) -> (u8, f64) {
-        match self {
-            Self::Modes => (0, 0.0),
-            Self::Start => (1, 0.0),
-            Self::BackboneAtFrequency(hz) => (2, hz),
-            Self::BackboneAtEnergy(ratio) => (3, ratio),
-            Self::Touching => (4, 0.0),
-            Self::Level => (5, 0.0),
-            Self::Branch => (6, 0.0),
-        }
-    }
-
-    fn from_code(code: u8, value: f64) -> Self {
-        match code {
-            0 => Self::Modes,
-            1 => Self::Start,
-            2 => Self::BackboneAtFrequency(value),
-            3 => Self::BackboneAtEnergy(value),
-            4 => Self::Touching,
-            5 => Self::Level,
-            _ => Self::Branch,
-        }
-    }
-}
-
-impl fmt::Display for Doing {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Modes => write!(f, "computing linear modes"),
-            Self::Start => write!(f, "looking for the beginning of the branch"),
-            Self::BackboneAtFrequency(hz) => write!(f, "looking for the backbone at {hz:.4} Hz"),
-            Self::BackboneAtEnergy(ratio) => write!(f, "looking for the backbone at {ratio} grazing energies"),
-            Self::Touching => write!(f, "looking for the motion before contacts that touch at rest"),
-            Self::Level => write!(f, "bringing the rig to its next level"),
-            Self::Branch => write!(f, "following the branch"),
-        }
-    }
-}
+/// What is done before anything else was said.
+const BEGINNING: &str = "computing linear modes";
 
 /// Somebody who is told what a computation is doing before each evaluation of its equations, some thousand times a
 /// second, and may end it there.
@@ -79,19 +22,18 @@ impl fmt::Display for Doing {
 pub struct Watch(Option<Arc<Watching>>);
 
 struct Watching {
-    ask: Box<dyn Fn(Doing, usize) -> ControlFlow<()> + Send + Sync>,
-    doing: (AtomicU8, AtomicU64),
+    ask: Box<dyn Fn(&str, usize) -> ControlFlow<()> + Send + Sync>,
+    doing: Mutex<Cow<'static, str>>,
     evaluations: AtomicUsize,
     ended: AtomicBool,
 }
 
 impl Watch {
-    /// `ask` is told what is done, and the number of evaluations since that began.
-    pub fn new(ask: impl Fn(Doing, usize) -> ControlFlow<()> + Send + Sync + 'static) -> Self {
-        let (code, value) = Doing::Modes.code();
+    /// `ask` is told what is done, in words, and the number of evaluations since that began.
+    pub fn new(ask: impl Fn(&str, usize) -> ControlFlow<()> + Send + Sync + 'static) -> Self {
         Self(Some(Arc::new(Watching {
             ask: Box::new(ask),
-            doing: (AtomicU8::new(code), AtomicU64::new(value.to_bits())),
+            doing: Mutex::new(Cow::Borrowed(BEGINNING)),
             evaluations: AtomicUsize::new(0),
             ended: AtomicBool::new(false),
         })))
@@ -102,23 +44,32 @@ impl Watch {
         self.0.as_ref().is_some_and(|watching| watching.ended.load(Ordering::Relaxed))
     }
 
-    /// Asks whether to end, for whoever computes by other means than a branch.
+    /// Asks whether to end, for whoever computes by other means than equations, or between points.
     pub fn asks_to_end(&self) -> bool {
         self.evaluates().is_err()
     }
 
+    /// The same for whoever is told of each point.
+    pub fn lets_go_on(&self) -> ControlFlow<()> {
+        if self.asks_to_end() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
     /// Something else is done from here on.
-    pub(crate) fn begins(&self, doing: Doing) -> Result<(), Ended> {
+    ///
+    /// # Errors
+    /// [`Ended`] where it was asked to end.
+    pub fn begins(&self, doing: impl Into<Cow<'static, str>>) -> Result<(), Ended> {
         let Some(watching) = &self.0 else { return Ok(()) };
-        let (code, value) = doing.code();
-        watching.doing.0.store(code, Ordering::Relaxed);
-        watching.doing.1.store(value.to_bits(), Ordering::Relaxed);
+        *watching.doing.lock().unwrap_or_else(PoisonError::into_inner) = doing.into();
         watching.evaluations.store(0, Ordering::Relaxed);
         watching.ask()
     }
 
     /// Equations are about to be evaluated.
-    pub(super) fn evaluates(&self) -> Result<(), Ended> {
+    ///
+    /// # Errors
+    /// [`Ended`] where it was asked to end.
+    pub fn evaluates(&self) -> Result<(), Ended> {
         let Some(watching) = &self.0 else { return Ok(()) };
         watching.evaluations.fetch_add(1, Ordering::Relaxed);
         watching.ask()
@@ -127,9 +78,8 @@ impl Watch {
 
 impl Watching {
     fn ask(&self) -> Result<(), Ended> {
-        let (code, value) = (self.doing.0.load(Ordering::Relaxed), self.doing.1.load(Ordering::Relaxed));
-        let doing = Doing::from_code(code, f64::from_bits(value));
-        if self.ended.load(Ordering::Relaxed) || (self.ask)(doing, self.evaluations.load(Ordering::Relaxed)).is_break()
+        let doing = self.doing.lock().unwrap_or_else(PoisonError::into_inner);
+        if self.ended.load(Ordering::Relaxed) || (self.ask)(&doing, self.evaluations.load(Ordering::Relaxed)).is_break()
         {
             self.ended.store(true, Ordering::Relaxed);
             return Err(Ended);
@@ -160,16 +110,21 @@ impl PartialEq for Watch {
 pub struct Ended;
 
 /// Equations that are not evaluated any more once the computation has ended.
-pub(super) struct Watched<'a, S> {
+#[derive(Debug)]
+pub struct Watched<'a, S> {
+    /// The equations.
     pub system: &'a mut S,
+    /// Who may end them.
     pub watch: &'a Watch,
 }
 
 /// Why watched equations are not evaluated.
 #[derive(Debug, Error)]
-pub(super) enum WatchedError<E: std::error::Error + 'static> {
+pub enum WatchedError<E: std::error::Error + 'static> {
+    /// The computation was asked to end.
     #[error(transparent)]
     Ended(#[from] Ended),
+    /// The equations themselves refuse.
     #[error(transparent)]
     System(E),
 }
@@ -212,8 +167,10 @@ impl<S: ParametricSystem> ParametricSystem for Watched<'_, S> {
 }
 
 /// A log to which nothing comes after the study has ended: what a run does whose equations fail belongs to no branch.
-pub(super) struct WatchedLog<'a> {
+pub struct WatchedLog<'a> {
+    /// The log.
     pub log: &'a mut dyn RunLog,
+    /// Who may end the study.
     pub watch: Watch,
 }
 
