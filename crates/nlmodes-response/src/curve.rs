@@ -59,29 +59,48 @@ impl ResponsePoint {
     }
 }
 
-/// Why the continuation has no further points; `omega` is the coordinate of the frequency, whose unit is `unit`, rad/s.
-pub(crate) fn end_of(stop: &StopReason, omega: usize, unit: f64) -> BranchEnd {
+/// Why the continuation has no further points, of at most `max_points`; `bound` says what a bound that was reached is to
+/// the curve, by its coordinate and the value there.
+pub fn curve_end(
+    stop: &StopReason,
+    max_points: usize,
+    bound: impl FnOnce(usize, f64) -> (EndReason, String),
+) -> BranchEnd {
     let (reason, message) = match stop {
-        StopReason::Bound { coordinate, value } if *coordinate == omega => {
-            let hertz = value * unit / TAU;
-            (EndReason::FrequencyWindow, format!("the frequency window ends at {hertz:.6} Hz"))
-        }
-        StopReason::Bound { .. } => (EndReason::Limit, "the largest level or energy is reached".to_owned()),
-        StopReason::Closed => (EndReason::Closed, "the curve is closed".to_owned()),
+        StopReason::Bound { coordinate, value } => bound(*coordinate, *value),
+        StopReason::Closed => (EndReason::Closed, "the branch came back to where it began".to_owned()),
         StopReason::Joined => return joined(),
-        StopReason::MaxPoints => (EndReason::MaxPoints, "it has as many points as were asked for".to_owned()),
+        StopReason::Stopped => (EndReason::Stopped, "it was asked to stop".to_owned()),
+        StopReason::MaxPoints => (EndReason::MaxPoints, format!("the limit of {max_points} points was reached")),
         StopReason::StepTooSmall { step, refusal } => {
-            return lost(format!("no step longer than {step:.0e} stays on the curve: {refusal}"));
+            let why = format!("no step, down to {step:.1e}, could be shown to stay on the branch: {refusal}");
+            (EndReason::NoStep, why)
         }
-        _ => (EndReason::Stopped, "it was asked to end".to_owned()),
+        _ => (EndReason::Unknown, format!("{stop:?}")),
     };
-    let is_complete = !matches!(reason, EndReason::MaxPoints | EndReason::Stopped);
+    let is_complete = matches!(stop, StopReason::Bound { .. } | StopReason::Closed);
     BranchEnd::new(reason, message, is_complete)
+}
+
+/// What the largest and the smallest energy are to a curve whose parameter is the logarithm of the energy over that at
+/// its beginning, named so: `grazing`.
+pub fn energy_bound(value: f64, beginning: &str) -> (EndReason, String) {
+    if value > 0.0 {
+        (EndReason::MaxEnergy, format!("the energy reached {:.6} times that at {beginning}", value.exp()))
+    } else {
+        (EndReason::MinEnergy, format!("the energy fell to {:.1e} of that at {beginning}", value.exp()))
+    }
+}
+
+/// What an end of the window of frequencies, rad/s, is to a curve.
+pub fn frequency_bound(omega: f64) -> (EndReason, String) {
+    (EndReason::FrequencyWindow, format!("the frequency reached {:.6} Hz", omega / TAU))
 }
 
 /// That a curve came to where another curve of the same problem goes on.
 pub(crate) fn joined() -> BranchEnd {
-    BranchEnd::new(EndReason::Joined, "it meets another curve", true)
+    let message = "it came to a branch point from which its way on had been followed already";
+    BranchEnd::new(EndReason::Joined, message, true)
 }
 
 /// That a curve was lost, for this reason.

@@ -1,13 +1,15 @@
-use nlmodes_modal::Event;
+use nlmodes_modal::{BranchEnd, EndReason, Event};
 use std::ops::ControlFlow;
 
 use nlmodes_contact::LcpSolver;
-use nlmodes_continuation::{Bound, Branch, BranchPoint, Continuation, EventKind, Linearization, ParametricSystem};
+use nlmodes_continuation::{
+    Bound, Branch, BranchPoint, Continuation, EventKind, Linearization, ParametricSystem, StopReason,
+};
 use nlmodes_hbm::{PeriodicSystem, PhaseLag, Refined, Source};
 use nlmodes_linalg::DenseLu;
 use num_complex::Complex64;
 
-use crate::curve::{end_of, lost};
+use crate::curve::{curve_end, energy_bound, frequency_bound, lost};
 use crate::losses::name_lost_stability;
 use crate::{ResponseCurve, ResponseError, ResponsePoint, ResponseSettings, Stability};
 
@@ -72,10 +74,24 @@ impl Curve<'_> {
         name_lost_stability(&mut points);
         let end = match unsolved(&points) {
             Some(why) => lost(why),
-            None => end_of(&branch.stop, omega.0, omega.1),
+            None => self.end(&branch.stop, omega),
         };
         let at_levels = self.at_levels(branch)?;
         Ok(ResponseCurve { points, end, at_levels })
+    }
+
+    /// Why there are no further points; `omega` as in [`follow`](Self::follow).
+    pub fn end(&self, stop: &StopReason, omega: (usize, f64)) -> BranchEnd {
+        let is_free = self.system.load().terms().is_empty();
+        let is_upper = |coordinate: usize, value: f64| {
+            self.bounds.iter().any(|bound| bound.coordinate == coordinate && value > 0.5 * (bound.min + bound.max))
+        };
+        curve_end(stop, self.settings.max_points, |coordinate, value| match coordinate {
+            own if own == omega.0 => frequency_bound(value * omega.1),
+            _ if is_free => energy_bound(value, "grazing"),
+            own if is_upper(own, value) => (EndReason::Limit, "the largest level was reached".to_owned()),
+            _ => (EndReason::Limit, "the smallest level was reached".to_owned()),
+        })
     }
 
     /// The points of a curve over `ln(level)` at the levels that were asked for.

@@ -65,7 +65,7 @@ pub use analyses::{
 pub use base_motion::{BaseMotion, BaseUnit};
 pub use nlmodes_modal::{BranchEnd, EndReason, Event, Stability};
 
-pub use curve::{ResponseCurve, ResponsePoint};
+pub use curve::{ResponseCurve, ResponsePoint, curve_end, energy_bound, frequency_bound};
 pub use damping::{Damping, Dashpot};
 pub use error::ResponseError;
 pub use history::{ContactPattern, ContactState};

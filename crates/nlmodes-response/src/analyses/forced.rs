@@ -3,7 +3,6 @@ use nlmodes_continuation::{Bound, ParametricSystem, StopReason};
 use nlmodes_hbm::{HbmError, ModalStructure, PeriodicSystem, Scales};
 
 use super::doubled::doubled_responses;
-use crate::curve::end_of;
 use crate::follow::{Curve, newton};
 use crate::{ResponseCurve, ResponseError, ResponseModel, ResponsePoint, ResponseSettings};
 
@@ -221,7 +220,7 @@ pub(crate) fn at_level(
             omega: base * settings.subharmonic as f64,
             level,
             reached: last.0 * level / WINDOW,
-            why: end_of(stop, usize::MAX, 1.0).message,
+            why: curve.end(stop, (usize::MAX, 1.0)).message,
         }),
     }
 }

@@ -39,7 +39,7 @@ fn window(low: f64, high: f64, harmonics: usize) -> ResponseSettings {
 #[test]
 fn a_response_goes_through_its_folds_to_the_end_of_the_window_and_balances_power() {
     let curve = frequency_response(&rod_of_two(), 0.2, &window(0.3, 0.6, 12)).unwrap();
-    assert_eq!(curve.end.message, "the frequency window ends at 0.600000 Hz");
+    assert_eq!(curve.end.message, "the frequency reached 0.600000 Hz");
     let folds: Vec<_> = curve.points.iter().filter(|p| p.events.contains(&Event::Fold)).collect();
     assert_eq!(folds.len(), 2, "{:?}", folds.iter().map(|p| p.omega / TAU).collect::<Vec<_>>());
     for point in &curve.points {
@@ -60,8 +60,8 @@ fn curves_from_both_ends_of_the_window_meet() {
     let up = frequency_response(&model, 0.2, &window(0.3, 0.6, 9)).unwrap();
     let settings = ResponseSettings { from_upper_end: true, ..window(0.3, 0.6, 9) };
     let down = frequency_response(&model, 0.2, &settings).unwrap();
-    assert_eq!(up.end.message, "the frequency window ends at 0.600000 Hz");
-    assert_eq!(down.end.message, "the frequency window ends at 0.300000 Hz");
+    assert_eq!(up.end.message, "the frequency reached 0.600000 Hz");
+    assert_eq!(down.end.message, "the frequency reached 0.300000 Hz");
     let folds = |points: &[nlmodes_response::ResponsePoint]| -> Vec<(f64, f64)> {
         let found = points.iter().filter(|p| p.events.contains(&Event::Fold));
         found.map(|p| (p.omega, p.drive.norm())).collect()
@@ -88,7 +88,7 @@ fn where_the_window_ends_between_folds_each_end_shows_its_motion() {
         let settings = window(0.3, upper, 9);
         let below = frequency_response(&model, 0.2, &settings).unwrap();
         let above = response_from_other_end(&model, 0.2, &settings, std::slice::from_ref(&below)).unwrap().unwrap();
-        let end = format!("the frequency window ends at {upper:.6} Hz");
+        let end = format!("the frequency reached {upper:.6} Hz");
         assert_eq!([&below.end.message, &above.end.message], [&end, &end]);
         let (mass, stiffness, omega) = (1.0 / 3.0, 2.0_f64, upper * TAU);
         let damping = 2.0 * 0.01 * (stiffness * mass).sqrt() * omega;
@@ -135,7 +135,7 @@ fn a_curve_that_begins_outside_of_its_window_says_where() {
 #[test]
 fn a_damped_mode_reaches_its_energy_and_its_damping_is_its_power() {
     let curve = damped_mode(&rod_of_two(), 10.0, &window(0.3, 0.6, 12)).unwrap();
-    assert!(curve.end.has(EndReason::Limit));
+    assert!(curve.end.has(EndReason::MaxEnergy));
     let first = &curve.points[0];
     assert!((first.motion.damping_ratio() - 0.01).abs() < 1e-10);
     for point in &curve.points {

@@ -126,7 +126,7 @@ fn damping_proportional_to_the_mass_leaves_the_conservative_mode_with_a_known_ra
         let settings = window(units, 0.2, 0.8, 7);
         let damped = damped_mode(&model, 5.0, &settings).unwrap();
         let free = conservative_mode(&model, 5.0, &settings).unwrap();
-        assert!([&damped, &free].iter().all(|curve| curve.end.has(EndReason::Limit)));
+        assert!([&damped, &free].iter().all(|curve| curve.end.has(EndReason::MaxEnergy)));
         for point in &damped.points {
             assert!((point.motion.at.xi / alpha - 1.0).abs() < 1e-9, "{:e}", point.motion.at.xi / alpha - 1.0);
             assert!((point.motion.damping_ratio() - alpha / (2.0 * point.omega)).abs() < 1e-9);
@@ -142,7 +142,7 @@ fn without_damping_a_damped_mode_needs_no_power() {
     for units in UNITS {
         let model = rod(units, 2, 1.0, &Damping::Ratios(vec![0.0]), 0);
         let curve = damped_mode(&model, 5.0, &window(units, 0.2, 0.8, 7)).unwrap();
-        assert!(curve.end.has(EndReason::Limit));
+        assert!(curve.end.has(EndReason::MaxEnergy));
         for point in &curve.points {
             assert!(point.motion.at.xi.abs() < 1e-10 * point.omega, "{:e}", point.motion.at.xi / point.omega);
         }

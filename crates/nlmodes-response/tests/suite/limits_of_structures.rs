@@ -133,7 +133,7 @@ fn damping_proportional_to_the_mass_leaves_the_conservative_mode_between_two_sto
         let settings = case.settings(units, 7);
         let damped = damped_mode(&model, 3.0, &settings).unwrap();
         let free = conservative_mode(&model, 3.0, &settings).unwrap();
-        assert!([&damped, &free].iter().all(|curve| curve.end.has(EndReason::Limit)), "{said}");
+        assert!([&damped, &free].iter().all(|curve| curve.end.has(EndReason::MaxEnergy)), "{said}");
         assert!(touched(&damped, 0) && touched(&damped, 1), "{said}");
         for point in &damped.points {
             assert!((point.motion.at.xi / alpha - 1.0).abs() < 1e-9, "{said}: {:e}", point.motion.at.xi / alpha - 1.0);
@@ -151,7 +151,7 @@ fn without_damping_no_power_is_needed_between_two_stops() {
     everywhere(|case, units, said| {
         let model = case.model(units, 1.0, &Damping::Ratios(vec![0.0]));
         let curve = damped_mode(&model, 3.0, &case.settings(units, 7)).unwrap();
-        assert!(curve.end.has(EndReason::Limit), "{said}");
+        assert!(curve.end.has(EndReason::MaxEnergy), "{said}");
         assert!(touched(&curve, 0) && touched(&curve, 1), "{said}");
         for point in &curve.points {
             assert!(point.motion.at.xi.abs() < 1e-10 * point.omega, "{said}: {:e}", point.motion.at.xi / point.omega);

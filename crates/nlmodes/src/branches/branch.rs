@@ -1,10 +1,10 @@
-use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use nlmodes_continuation::{ParametricSystem, StopReason};
 use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting, Switching};
 use nlmodes_modal::{BranchEnd, Coordinate, EndReason, ModalBranch, ModalPoint, TimeHistory, Tongue, tongues};
 use nlmodes_model::ContactCoordinates;
+use nlmodes_response::{curve_end, energy_bound, frequency_bound};
 use nlmodes_timestep::ModeShooting;
 
 use super::beyond::{BeyondAccuracy, beyond};
@@ -248,37 +248,17 @@ pub(super) fn branch_end(stop: &StopReason, tracer: &Tracer, n_points: usize) ->
     let (frequency, dim) = (tracer.problem.frequency_index(), tracer.problem.dim());
     let (start, settings) = (tracer.grazing, &tracer.settings);
     let reference = if start.touches_at_rest() { "the start" } else { "grazing" };
-    let (reason, message, complete) = match stop {
-        StopReason::Bound { coordinate, value } if *coordinate == dim && *value > 0.0 => {
-            (EndReason::MaxEnergy, format!("the energy reached {:.6} times that at {reference}", value.exp()), true)
-        }
-        StopReason::Bound { coordinate, value } if *coordinate == dim => {
-            (EndReason::MinEnergy, format!("the energy fell to {:.1e} of that at {reference}", value.exp()), true)
-        }
-        StopReason::Bound { coordinate, value } if *coordinate == frequency => {
-            (EndReason::FrequencyWindow, format!("the frequency reached {:.6} Hz", value * start.omega / TAU), true)
-        }
-        StopReason::Bound { coordinate, value } => {
-            (EndReason::Bound, format!("unknown {coordinate} reached {value}"), true)
-        }
-        StopReason::Closed => (EndReason::Closed, "the branch came back to where it began".to_owned(), true),
-        StopReason::Joined => (
-            EndReason::Joined,
-            "it came to a branch point from which its way on had been followed already".to_owned(),
-            true,
-        ),
-        StopReason::Stopped if n_points < settings.max_points => {
-            (EndReason::Stopped, "it was asked to stop".to_owned(), false)
-        }
-        StopReason::Stopped | StopReason::MaxPoints => {
-            (EndReason::MaxPoints, format!("the limit of {} points was reached", settings.max_points), false)
-        }
-        StopReason::StepTooSmall { step, refusal } => (
-            EndReason::NoStep,
-            format!("no step, down to {step:.1e}, could be shown to stay on the branch: {refusal}"),
-            false,
-        ),
-        _ => (EndReason::Unknown, format!("{stop:?}"), false),
+    let stop = match stop {
+        StopReason::Stopped if n_points >= settings.max_points => &StopReason::MaxPoints,
+        stop => stop,
     };
-    BranchEnd::new(reason, message, complete)
+    curve_end(stop, settings.max_points, |coordinate, value| {
+        if coordinate == dim {
+            energy_bound(value, reference)
+        } else if coordinate == frequency {
+            frequency_bound(value * start.omega)
+        } else {
+            (EndReason::Bound, format!("unknown {coordinate} reached {value}"))
+        }
+    })
 }

@@ -118,7 +118,7 @@ fn a_detached_curve_is_followed_from_a_phase_resonance_and_named() -> Outcome {
     let frequencies = detached.iter().map(|row| std::f64::consts::TAU * number(row, "frequency_hz"));
     let (low, high) = frequencies.fold((f64::INFINITY, 0.0_f64), |(low, high), w| (low.min(w), high.max(w)));
     assert!((low - 0.783).abs() < 0.004 && (high - 0.8136).abs() < 0.004, "{low} {high}");
-    assert!(summary(folder.path())?.to_string().contains("the curve is closed"));
+    assert!(summary(folder.path())?.to_string().contains("the branch came back to where it began"));
     Ok(())
 }
 
