@@ -24,7 +24,7 @@ impl Computing {
             return None;
         }
         let newest = Arc::clone(&self.newest);
-        let ask = move |_, _| match newest.load(Ordering::SeqCst) == own {
+        let ask = move |_: &str, _: usize| match newest.load(Ordering::SeqCst) == own {
             true => ControlFlow::Continue(()),
             false => ControlFlow::Break(()),
         };
