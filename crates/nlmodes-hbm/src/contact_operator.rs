@@ -1,3 +1,4 @@
+use std::cell::OnceCell;
 use std::f64::consts::{PI, TAU};
 
 use nlmodes_contact::{LcpMatrix, LcpSolver, LcpWorkspace};
@@ -52,8 +53,8 @@ pub struct ContactOperator {
     pub(crate) sets: SetTable,
     /// Intervals over `[0, π]` for even motions, else over `[0, 2π]`.
     pub(crate) intervals: Vec<PatternInterval>,
-    /// Averages `(1/2π) ∫ χ e^{−ikτ}`, k = 0 … 2H, of each set with a closed contact that occurs.
-    pub(crate) spectra: Vec<(usize, Vec<Complex64>)>,
+    /// The sets with a closed contact that occur.
+    pub(crate) spectra: Vec<Spectrum>,
     /// `y` of each contact, complex coefficients.
     pub(crate) y: Vec<Vec<Complex64>>,
     /// Iterations of the contact solver so far, over all its problems.
@@ -69,6 +70,25 @@ pub struct ContactOperator {
     at: Vec<f64>,
     /// Memory that the sets may take, bytes.
     pub(crate) most_bytes: usize,
+}
+
+/// The part of a period in which one set of contacts is closed.
+pub(crate) struct Spectrum {
+    pub set: usize,
+    /// Averages `(1/2π) ∫ χ e^{−ikτ}`, k = 0 … 2H.
+    pub averages: Vec<Complex64>,
+    product: OnceCell<Vec<f64>>,
+}
+
+impl Spectrum {
+    fn new(set: usize, averages: Vec<Complex64>) -> Self {
+        Self { set, averages, product: OnceCell::new() }
+    }
+
+    /// Matrix of "multiply by `χ(τ)`, keep the harmonics up to H", [`RealSeries::multiplication`].
+    pub fn product(&self, series: RealSeries) -> &[f64] {
+        self.product.get_or_init(|| series.multiplication(&self.averages))
+    }
 }
 
 /// Memory for the sets of closed contacts that were met: of a thousand contacts each takes some megabytes, and every
@@ -150,13 +170,12 @@ impl ContactOperator {
     }
 
     /// Derivative `(dλ/dy) dy` (N, c × width) for the contact pattern of the last solution; with its own `y`, the
-    /// forces.
+    /// forces, and of nothing nothing.
     pub fn apply(&self, dy: &[f64]) -> Vec<f64> {
         let width = self.series.width();
         let mut forces = vec![0.0; dy.len()];
-        for (set, averages) in &self.spectra {
-            let set = self.sets.get(*set);
-            let product = self.series.multiplication(averages);
+        for spectrum in self.spectra.iter().filter(|_| !dy.is_empty()) {
+            let (set, product) = (self.sets.get(spectrum.set), spectrum.product(self.series));
             let part = |j: &usize| product.chunks(width).map(|row| inner(row, &dy[j * width..][..width])).collect();
             let parts: Vec<Vec<f64>> = set.active.iter().map(part).collect();
             for &i in &set.active {
@@ -173,9 +192,8 @@ impl ContactOperator {
     pub(crate) fn apply_transposed(&self, df: &[f64]) -> Vec<f64> {
         let width = self.series.width();
         let mut gaps = vec![0.0; df.len()];
-        for (set, averages) in &self.spectra {
-            let set = self.sets.get(*set);
-            let product = self.series.multiplication(averages);
+        for spectrum in &self.spectra {
+            let (set, product) = (self.sets.get(spectrum.set), spectrum.product(self.series));
             for &i in &set.active {
                 let mut part = vec![0.0; width];
                 for (row, f) in product.chunks(width).zip(&df[i * width..]) {
@@ -315,12 +333,13 @@ impl ContactOperator {
             if self.sets.get(interval.set).is_open() {
                 continue;
             }
-            let found = self.spectra.iter().position(|(set, _)| *set == interval.set);
+            let found = self.spectra.iter().position(|spectrum| spectrum.set == interval.set);
             let at = found.unwrap_or_else(|| {
-                self.spectra.push((interval.set, vec![Complex64::default(); 2 * self.series.n_harmonics + 1]));
+                let averages = vec![Complex64::default(); 2 * self.series.n_harmonics + 1];
+                self.spectra.push(Spectrum::new(interval.set, averages));
                 self.spectra.len() - 1
             });
-            add_indicator(interval.from, interval.to, even, &mut self.spectra[at].1);
+            add_indicator(interval.from, interval.to, even, &mut self.spectra[at].averages);
         }
     }
 
@@ -337,7 +356,7 @@ impl ContactOperator {
                 if even {
                     spectrum.iter_mut().for_each(|z| z.im = 0.0);
                 }
-                self.spectra.push((set, spectrum));
+                self.spectra.push(Spectrum::new(set, spectrum));
             }
         }
         // A sample stands for the stretch around it.

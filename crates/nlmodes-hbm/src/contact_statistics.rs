@@ -4,7 +4,7 @@ use nlmodes_modal::ContactPeriod;
 use num_complex::Complex64;
 
 use crate::Symmetry;
-use crate::contact_operator::{ContactOperator, PatternInterval};
+use crate::contact_operator::{ContactOperator, PatternInterval, Spectrum};
 use crate::trigonometric::Trigonometric;
 
 /// What users ask of a period with contact.
@@ -44,7 +44,7 @@ impl ContactOperator {
     /// Mean contact forces over a period, N, c.
     pub fn mean_forces(&self) -> Vec<f64> {
         let mut mean = vec![0.0; self.n_contacts()];
-        for (set, averages) in &self.spectra {
+        for Spectrum { set, averages, .. } in &self.spectra {
             let set = self.sets.get(*set);
             // ⟨χ Re Σ y_n e^{inτ}⟩ = Re Σ y_n conj⟨χ e^{−inτ}⟩*
             let weighted = |j: usize| self.y[j].iter().zip(averages).map(|(y, a)| (y * a.conj()).re).sum::<f64>();

@@ -57,7 +57,7 @@ impl ContactOperator {
 
     /// The sets with a closed contact that occur.
     fn closed_sets(&self) -> Vec<usize> {
-        self.spectra.iter().map(|(set, _)| *set).collect()
+        self.spectra.iter().map(|spectrum| spectrum.set).collect()
     }
 
     /// `(1/2π) ∫ χ e^{−ikτ} dτ`, k = 0 … 2H, of a set.

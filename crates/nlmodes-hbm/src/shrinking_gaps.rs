@@ -44,9 +44,9 @@ impl<'s> MixedShooting<'s> {
         let Some(opening) = &mut self.opening else { return };
         let (structure, series, c) = (self.structure, self.sweep.series, opening.full.len());
         opening.dq.fill(0.0);
-        for (set, averages) in &self.sweep.spectra {
-            let set = self.sweep.sets.get(*set);
-            let constant = series.coefficients_of(averages);
+        for spectrum in &self.sweep.spectra {
+            let set = self.sweep.sets.get(spectrum.set);
+            let constant = series.coefficients_of(&spectrum.averages);
             let forces: Vec<f64> = (0..c).map(|i| set.force(i, &opening.full)).collect();
             for (d, dq) in opening.dq.chunks_exact_mut(series.width()).enumerate() {
                 let offset: f64 = (0..c).map(|i| structure.body.compliance_w()[(d, i)] * forces[i]).sum();

@@ -24,16 +24,16 @@ impl MixedShooting<'_> {
         let size = n * width;
         self.dkept_db.fill(0.0);
         self.kept.fill(0.0);
-        for (set, averages) in &self.sweep.spectra {
-            let set = match &mut self.nodes[*set] {
+        for spectrum in &self.sweep.spectra {
+            let set = match &mut self.nodes[spectrum.set] {
                 Some(known) => known,
                 unknown => {
-                    let closed = &self.sweep.sets.get(*set).closed;
+                    let closed = &self.sweep.sets.get(spectrum.set).closed;
                     unknown.insert(NodeResponse::new(&self.structure.body, closed)?)
                 }
             };
-            let product = self.sweep.series.multiplication(averages);
-            let constant = self.sweep.series.coefficients_of(averages);
+            let product = spectrum.product(self.sweep.series);
+            let constant = self.sweep.series.coefficients_of(&spectrum.averages);
             for d in 0..n {
                 for (m, constant) in constant.iter().enumerate() {
                     let row = &mut self.dkept_db[(d * width + m) * size..(d * width + m + 1) * size];

@@ -13,35 +13,77 @@ use super::structure::ModalStructure;
 /// Matrices are row-major, d × d. Derivatives are with respect to ω, ξ and the level, at fixed `x` and `λ̂`.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct HarmonicBlock {
+    /// The coordinates and the contact forces at which it was evaluated, d.
+    pub x: Vec<Complex64>,
+    pub force: Vec<Complex64>,
     pub l: Vec<Complex64>,
     pub g: Vec<Complex64>,
     pub residual: Vec<Complex64>,
     pub d_residual: [Vec<Complex64>; 3],
-    /// Modal coordinates, m.
-    pub eta: Vec<Complex64>,
-    pub d_eta: [Vec<Complex64>; 3],
-    /// `D_k` of each mode (its diagonal where damping couples modes).
-    pub d: Vec<Complex64>,
     /// The mode that is kept apart, with `ρ²`, in contact coordinates.
     pub pole: Option<(usize, f64)>,
+    pub kinetic: KineticEnergy,
+}
+
+/// Averaged kinetic energy of one harmonic, `¼ ν² Σ_k m_k |η_k|²`, with its derivatives; of products with complex
+/// weights the real part counts.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct KineticEnergy {
+    pub value: f64,
+    /// Weights (d) of the coordinates and of the contact forces `λ̂`.
+    pub by_x: Vec<Complex64>,
+    pub by_force: Vec<Complex64>,
+    /// With respect to ω, ξ and the level where `x` and `λ̂` are fixed.
+    pub by: [f64; 3],
+}
+
+impl KineticEnergy {
+    /// Adds a modal coordinate to `Σ_k m_k |η_k|²`, of which [`times_speed`](Self::times_speed) makes the energy, with
+    /// half the derivatives with respect to ω, ξ and the level.
+    pub fn add(&mut self, mass: f64, eta: Complex64, d_eta: [Complex64; 3]) {
+        self.value += mass * eta.norm_sqr();
+        (0..3).for_each(|t| self.by[t] += mass * (eta.conj() * d_eta[t]).re);
+    }
+
+    /// Multiplies the sums by `¼ ν²`, `ν = nω`.
+    pub fn times_speed(&mut self, n: usize, omega: f64) {
+        let (n, nu) = (n as f64, n as f64 * omega);
+        let half = 0.5 * nu * nu;
+        self.by = self.by.map(|by| half * by);
+        self.by[0] += 0.5 * n * nu * self.value;
+        self.value *= 0.5 * half;
+        self.by_x.iter_mut().chain(&mut self.by_force).for_each(|w| *w *= half);
+    }
+}
+
+/// Modal coordinates of one harmonic, m, with their derivatives.
+#[derive(Debug, Clone)]
+pub(crate) struct ModalMotion {
+    pub eta: Vec<Complex64>,
+    pub d_eta: [Vec<Complex64>; 3],
+}
+
+impl ModalMotion {
+    pub fn at_rest(modes: usize) -> Self {
+        let zero = vec![Complex64::default(); modes];
+        Self { d_eta: [0, 1, 2].map(|_| zero.clone()), eta: zero }
+    }
 }
 
 impl HarmonicBlock {
-    /// Room for d coordinates and m modes, all zero.
-    pub fn reset(&mut self, coordinates: usize, modes: usize) {
-        let zero = Complex64::default();
+    /// Makes room for as many coordinates as `x` has, all else zero.
+    pub fn reset(&mut self) {
+        let (d, zero) = (self.x.len(), Complex64::default());
         let fill = |v: &mut Vec<Complex64>, n: usize| {
             v.clear();
             v.resize(n, zero);
         };
-        fill(&mut self.l, coordinates * coordinates);
-        fill(&mut self.g, coordinates * coordinates);
-        fill(&mut self.residual, coordinates);
-        fill(&mut self.eta, modes);
-        fill(&mut self.d, modes);
-        self.d_residual.iter_mut().for_each(|v| fill(v, coordinates));
-        self.d_eta.iter_mut().for_each(|v| fill(v, modes));
-        self.pole = None;
+        fill(&mut self.l, d * d);
+        fill(&mut self.g, d * d);
+        fill(&mut self.residual, d);
+        self.d_residual.iter_mut().for_each(|v| fill(v, d));
+        [&mut self.kinetic.by_x, &mut self.kinetic.by_force].into_iter().for_each(|v| fill(v, d));
+        (self.kinetic.value, self.kinetic.by, self.pole) = (0.0, [0.0; 3], None);
     }
 }
 
@@ -59,19 +101,21 @@ pub(crate) trait LinearResponse {
     /// Unit of the coordinates for lengths near `length`.
     fn scale(&self, length: f64) -> f64;
 
-    /// Writes the block of harmonic `n`.
-    fn evaluate(
+    /// Writes the block of harmonic `n` for the coordinates and forces in it, with the kinetic energy if that is asked
+    /// for.
+    fn evaluate(&mut self, n: usize, at: OperatingPoint, load: &Load, energy: bool, block: &mut HarmonicBlock);
+
+    /// Modal coordinates of an evaluated block.
+    fn modal_motion(&self, n: usize, at: OperatingPoint, load: &Load, block: &HarmonicBlock) -> ModalMotion;
+
+    /// `wᵀ ∂η/∂x` and `wᵀ ∂η/∂λ̂` for weights `w` (m) of the modal coordinates of an evaluated block.
+    fn pull(
         &self,
         n: usize,
         at: OperatingPoint,
-        load: &Load,
-        x: &[Complex64],
-        force: &[Complex64],
-        out: &mut HarmonicBlock,
-    );
-
-    /// `wᵀ ∂η/∂x` and `wᵀ ∂η/∂λ̂` for weights `w` (m) of the modal coordinates of an evaluated block.
-    fn pull(&self, block: &HarmonicBlock, weights: &[Complex64]) -> (Vec<Complex64>, Vec<Complex64>);
+        block: &HarmonicBlock,
+        weights: &[Complex64],
+    ) -> (Vec<Complex64>, Vec<Complex64>);
 }
 
 /// `D_kk` with its derivatives with respect to ω and ξ.

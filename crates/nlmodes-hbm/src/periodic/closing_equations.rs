@@ -8,7 +8,7 @@ use crate::series::RealSeries;
 use crate::{HbmError, Symmetry};
 
 /// A motion as closing equations see it.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub struct Motion<'a> {
     /// Frequency, negative damping and level.
     pub at: OperatingPoint,
@@ -16,14 +16,14 @@ pub struct Motion<'a> {
     pub p: f64,
     /// Scaled coefficients of the coordinates.
     pub x: &'a [f64],
-    /// Modal coordinates, harmonic by harmonic, m each.
-    pub eta: &'a [&'a [Complex64]],
-    /// Contact forces, harmonic by harmonic, c each.
-    pub forces: &'a [Vec<Complex64>],
+    /// Modal coordinates of a harmonic, m.
+    pub eta: &'a dyn Fn(usize) -> Vec<Complex64>,
+    /// Averaged kinetic energy, J, where an equation [asks](ClosingEquation::asks_for_energy) for it.
+    pub kinetic_energy: f64,
+    /// Contact forces of a harmonic, c.
+    pub forces: &'a dyn Fn(usize) -> Vec<Complex64>,
     /// The load.
     pub load: &'a Load,
-    /// Mass of each modal coordinate: one, or zero for a stop that dissipates.
-    pub inertia: &'a [f64],
 }
 
 /// Value and derivatives of a closing equation; the real part of products with complex weights counts.
@@ -33,6 +33,8 @@ pub struct Functional {
     pub value: f64,
     /// Weights (m) of the modal coordinates of a harmonic.
     pub eta: Vec<(usize, Vec<Complex64>)>,
+    /// Derivative with respect to the averaged kinetic energy, 1/J.
+    pub by_energy: f64,
     /// Weights (c) of the contact forces of a harmonic.
     pub forces: Vec<(usize, Vec<Complex64>)>,
     /// Weights of the scaled coefficients; empty for none.
@@ -51,6 +53,11 @@ pub trait ClosingEquation: Send {
     /// [`HbmError`] where the equation has no value.
     fn evaluate(&self, motion: &Motion) -> Result<Functional, HbmError>;
 
+    /// Whether it depends on the averaged kinetic energy.
+    fn asks_for_energy(&self) -> bool {
+        false
+    }
+
     /// Told of every point from which the branch goes on.
     fn accepted(&mut self, x: &[f64], series: RealSeries) {
         let _ = (x, series);
@@ -66,28 +73,21 @@ pub struct EnergyGiven {
 
 impl ClosingEquation for EnergyGiven {
     fn evaluate(&self, motion: &Motion) -> Result<Functional, HbmError> {
-        let omega = motion.at.omega;
-        let part = |n: usize| 0.25 * (n as f64 * omega).powi(2) * square(motion.eta[n], motion.inertia);
-        let energy: f64 = (1..motion.eta.len()).map(part).sum();
+        let (omega, energy) = (motion.at.omega, motion.kinetic_energy);
         if !(energy.is_finite() && energy > 0.0) {
             return Err(HbmError::Motion { omega, energy });
         }
-        let weights = |n: usize| {
-            let factor = 0.5 * (n as f64 * omega).powi(2) / energy;
-            (n, motion.eta[n].iter().zip(motion.inertia).map(|(eta, mass)| eta.conj() * (factor * mass)).collect())
-        };
         Ok(Functional {
             value: (energy / self.reference).ln() - motion.p,
-            eta: (1..motion.eta.len()).map(weights).collect(),
-            by: [2.0 / omega, 0.0, 0.0],
+            by_energy: 1.0 / energy,
             by_parameter: -1.0,
             ..Functional::default()
         })
     }
-}
 
-fn square(eta: &[Complex64], inertia: &[f64]) -> f64 {
-    eta.iter().zip(inertia).map(|(eta, mass)| mass * eta.norm_sqr()).sum()
+    fn asks_for_energy(&self) -> bool {
+        true
+    }
 }
 
 /// `Σ n (c_n s̄_n − s_n c̄_n) = 0`: the phase of the last accepted point is held.
@@ -139,7 +139,7 @@ impl PhaseLag {
         let n = self.harmonic;
         let own = motion.load.row(n, &self.row.loads, motion.at);
         let of = |row: &[f64], z: &[Complex64]| row.iter().zip(z).map(|(r, z)| z * *r).sum::<Complex64>();
-        (of(&self.row.modes, motion.eta[n]) + of(&self.row.contacts, &motion.forces[n]) + own.value, own.by)
+        (of(&self.row.modes, &(motion.eta)(n)) + of(&self.row.contacts, &(motion.forces)(n)) + own.value, own.by)
     }
 }
 

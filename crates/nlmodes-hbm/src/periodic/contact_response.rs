@@ -2,9 +2,10 @@ use std::sync::Arc;
 
 use num_complex::Complex64;
 
-use super::block::{HarmonicBlock, LinearResponse, dynamic_stiffness};
+use super::block::{HarmonicBlock, LinearResponse, ModalMotion, dynamic_stiffness};
 use super::directions::Directions;
 use super::load::Load;
+use super::mode_sums::ModeSums;
 use super::operating_point::OperatingPoint;
 use super::structure::ModalStructure;
 
@@ -30,15 +31,38 @@ pub(crate) struct ContactResponse {
     /// Modes that move a contact.
     moving: Vec<usize>,
     directions: Directions,
-    even: bool,
+    /// `y_k` of all modes, one mode after the other, with `|y_k|²`.
+    rows: Vec<f64>,
+    squares: Vec<f64>,
+    turns: Vec<Turn>,
+    /// For motions that are even in time.
+    even: Option<ModeSums>,
+}
+
+/// What one mode, not the one apart, does: `η_k` with its derivatives with respect to ω, ξ and the level.
+struct Answer {
+    mode: usize,
+    eta: Complex64,
+    d_eta: [Complex64; 3],
+    /// `1/D_k`.
+    inverse: Complex64,
 }
 
 impl ContactResponse {
     pub fn new(structure: Arc<ModalStructure>, even: bool) -> Self {
-        let coupling = (0..structure.n_modes()).map(|k| structure.coupling(k)).collect();
-        let moving = (0..structure.n_modes()).filter(|&k| structure.moves_a_contact(k)).collect();
+        let modes = 0..structure.n_modes();
         let directions = Directions::of(&structure);
-        Self { structure, coupling, moving, directions, even }
+        let row = |k: usize| -> Vec<f64> { directions.first.iter().map(|&i| structure.rows()[(i, k)]).collect() };
+        Self {
+            coupling: modes.clone().map(|k| structure.coupling(k)).collect(),
+            moving: modes.clone().filter(|&k| structure.moves_a_contact(k)).collect(),
+            rows: modes.clone().flat_map(row).collect(),
+            squares: modes.clone().map(|k| row(k).iter().map(|y| y.powi(2)).sum()).collect(),
+            turns: modes.map(|k| Turn::of(row(k))).collect(),
+            even: even.then(|| ModeSums::new(&structure, &directions.first)),
+            directions,
+            structure,
+        }
     }
 
     /// Number of coordinates.
@@ -46,18 +70,38 @@ impl ContactResponse {
         self.directions.first.len()
     }
 
-    fn y(&self, i: usize, k: usize) -> f64 {
-        self.structure.rows()[(self.directions.first[i], k)]
+    /// `y_k`, c.
+    fn row(&self, k: usize) -> &[f64] {
+        &self.rows[k * self.size()..(k + 1) * self.size()]
     }
 
-    fn square(&self, k: usize) -> f64 {
-        (0..self.size()).map(|i| self.y(i, k).powi(2)).sum()
+    /// The most resonant mode.
+    fn pole(&self, n: usize, at: OperatingPoint) -> Option<usize> {
+        let resonance = |k: usize| self.coupling[k] / dynamic_stiffness(&self.structure, n, k, at).0.norm();
+        let resonances = self.moving.iter().map(|&k| (k, resonance(k)));
+        resonances.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k)
     }
 
-    /// Sum over contacts of `y_ik v_i`.
-    fn along(&self, k: usize, v: &[Complex64]) -> Complex64 {
-        v.iter().enumerate().map(|(i, v)| v * self.y(i, k)).sum()
+    /// The answer of mode `k` to the contact forces and the load.
+    fn answer(&self, k: usize, n: usize, at: OperatingPoint, load: &Load, force: &[Complex64]) -> Answer {
+        let (p, (d, dd)) = (load.modal(n, k, at), dynamic_stiffness(&self.structure, n, k, at));
+        let (eta, inverse) = ((along(self.row(k), force) + p.value) / d, d.inv());
+        let d_eta = [(p.by[0] - eta * dd[0]) * inverse, (p.by[1] - eta * dd[1]) * inverse, p.by[2] * inverse];
+        Answer { mode: k, eta, d_eta, inverse }
     }
+
+    /// Takes what a mode does off `v` and its derivatives.
+    fn take(&self, answer: &Answer, v: &mut [Complex64], dv: &mut [Vec<Complex64>; 3]) {
+        for (i, y) in self.row(answer.mode).iter().enumerate() {
+            v[i] -= answer.eta * y;
+            (0..3).for_each(|t| dv[t][i] -= answer.d_eta[t] * y);
+        }
+    }
+}
+
+/// Sum over contacts of `y_ik v_i`.
+fn along(row: &[f64], v: &[Complex64]) -> Complex64 {
+    v.iter().zip(row).map(|(v, y)| v * y).sum()
 }
 
 impl LinearResponse for ContactResponse {
@@ -71,133 +115,213 @@ impl LinearResponse for ContactResponse {
     }
 
     fn of_mode(&self, k: usize) -> Vec<f64> {
-        (0..self.size()).map(|i| self.y(i, k)).collect()
+        self.row(k).to_vec()
     }
 
     fn scale(&self, length: f64) -> f64 {
         length
     }
 
-    fn evaluate(
-        &self,
-        n: usize,
-        at: OperatingPoint,
-        load: &Load,
-        x: &[Complex64],
-        force: &[Complex64],
-        out: &mut HarmonicBlock,
-    ) {
-        let (c, m) = (self.size(), self.structure.n_modes());
-        out.reset(c, m);
-        let stiffness: Vec<_> = (0..m).map(|k| dynamic_stiffness(&self.structure, n, k, at)).collect();
-        out.d.iter_mut().zip(&stiffness).for_each(|(d, s)| *d = s.0);
-        let resonance = |k: usize| self.coupling[k] / stiffness[k].0.norm();
-        let resonances = self.moving.iter().map(|&k| (k, resonance(k)));
-        let pole = resonances.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k);
-        let (mut v, mut dv) = (x.to_vec(), [0, 1, 2].map(|_| vec![Complex64::default(); c]));
-        for k in (0..m).filter(|k| Some(*k) != pole) {
-            let p = load.modal(n, k, at);
-            let w = self.along(k, force) + p.value;
-            if w == Complex64::default() && p.by.iter().all(|d| *d == Complex64::default()) && !self.moving.contains(&k)
-            {
-                continue;
+    fn evaluate(&mut self, n: usize, at: OperatingPoint, load: &Load, energy: bool, block: &mut HarmonicBlock) {
+        block.reset();
+        match self.even.take() {
+            Some(mut modes) => {
+                self.evaluate_even(n, at, &mut modes, block);
+                self.even = Some(modes);
             }
-            let (d, dd) = stiffness[k];
-            let eta = w / d;
-            out.eta[k] = eta;
-            let change = [(p.by[0] - eta * dd[0]) / d, (p.by[1] - eta * dd[1]) / d, p.by[2] / d];
-            (0..3).for_each(|t| out.d_eta[t][k] = change[t]);
-            for i in 0..c {
-                v[i] -= eta * self.y(i, k);
-                (0..3).for_each(|t| dv[t][i] -= change[t] * self.y(i, k));
-                (0..c).for_each(|j| out.g[i * c + j] += self.y(i, k) * self.y(j, k) / d);
-            }
-        }
-        match pole {
-            Some(p) => self.apart(p, n, at, load, &stiffness[p], force, (&v, &dv), out),
-            None => {
-                out.residual.copy_from_slice(&v);
-                out.d_residual.clone_from(&dv);
-                (0..c).for_each(|i| out.l[i * c + i] = Complex64::ONE);
-            }
-        }
-        if self.even {
-            let others = self.moving.iter().filter(|k| Some(**k) != pole);
-            let sign: f64 = others.map(|&k| stiffness[k].0.re.signum()).product();
-            out.l[..c].iter_mut().chain(&mut out.g[..c]).for_each(|v| *v *= sign);
-            out.residual[0] *= sign;
-            out.d_residual.iter_mut().for_each(|d| d[0] *= sign);
+            None => self.evaluate_any(n, at, load, energy, block),
         }
     }
 
-    fn pull(&self, block: &HarmonicBlock, weights: &[Complex64]) -> (Vec<Complex64>, Vec<Complex64>) {
+    fn modal_motion(&self, n: usize, at: OperatingPoint, load: &Load, block: &HarmonicBlock) -> ModalMotion {
+        let (mut motion, mut v) = (ModalMotion::at_rest(self.structure.n_modes()), block.x.clone());
+        let mut dv = [0, 1, 2].map(|_| vec![Complex64::default(); v.len()]);
+        let pole = block.pole.map(|(p, _)| p);
+        let drives = load.has_harmonic(n);
+        let answering = (0..motion.eta.len()).filter(|&k| Some(k) != pole && (drives || self.squares[k] > 0.0));
+        for answer in answering.map(|k| self.answer(k, n, at, load, &block.force)) {
+            motion.eta[answer.mode] = answer.eta;
+            (0..3).for_each(|t| motion.d_eta[t][answer.mode] = answer.d_eta[t]);
+            self.take(&answer, &mut v, &mut dv);
+        }
+        if let Some((p, _)) = block.pole {
+            let (eta, d_eta) = self.resonant(&self.apart(p, n, at, load, &block.force), &v, &dv);
+            motion.eta[p] = eta;
+            (0..3).for_each(|t| motion.d_eta[t][p] = d_eta[t]);
+        }
+        motion
+    }
+
+    fn pull(
+        &self,
+        n: usize,
+        at: OperatingPoint,
+        block: &HarmonicBlock,
+        weights: &[Complex64],
+    ) -> (Vec<Complex64>, Vec<Complex64>) {
         let c = self.size();
         let (mut by_x, mut by_force) = (vec![Complex64::default(); c], vec![Complex64::default(); c]);
         let Some((p, rho2)) = block.pole else { return (by_x, by_force) };
-        let share = self.coupling[p].powi(2) / (rho2 * self.square(p));
-        (0..c).for_each(|i| {
-            by_x[i] = weights[p] * share * self.y(i, p);
-            by_force[i] = weights[p] * block.d[p].conj() / rho2 * self.y(i, p);
-        });
+        let stiffness = |k: usize| dynamic_stiffness(&self.structure, n, k, at).0;
+        let share = self.coupling[p].powi(2) / (rho2 * self.squares[p]);
+        let apart = weights[p] * stiffness(p).conj() / rho2;
+        for (i, y) in self.row(p).iter().enumerate() {
+            by_x[i] = weights[p] * share * y;
+            by_force[i] = apart * y;
+        }
         for &k in self.moving.iter().filter(|k| **k != p) {
-            let across: f64 = (0..c).map(|i| self.y(i, p) * self.y(i, k)).sum();
-            let weight = (weights[k] - weights[p] * share * across) / block.d[k];
-            by_force.iter_mut().enumerate().for_each(|(i, b)| *b += weight * self.y(i, k));
+            let across: f64 = self.row(p).iter().zip(self.row(k)).map(|(a, b)| a * b).sum();
+            let weight = (weights[k] - weights[p] * share * across) / stiffness(k);
+            by_force.iter_mut().zip(self.row(k)).for_each(|(b, y)| *b += weight * y);
         }
         (by_x, by_force)
     }
 }
 
+/// The mode apart at one harmonic.
+struct Apart {
+    mode: usize,
+    /// `D_p` with its derivatives with respect to ω and ξ.
+    d: Complex64,
+    dd: [Complex64; 2],
+    /// `s_p²` and `ρ²`.
+    s2: f64,
+    rho2: f64,
+    /// `w_p` with its derivatives.
+    w: Complex64,
+    dw: [Complex64; 3],
+    /// Number of these scalars that matter.
+    scalars: usize,
+}
+
 impl ContactResponse {
-    /// The equations with mode `p` apart, from `v` and its derivatives.
-    #[expect(clippy::too_many_arguments, reason = "one equation with all its symbols")]
-    fn apart(
-        &self,
-        p: usize,
-        n: usize,
-        at: OperatingPoint,
-        load: &Load,
-        (d, dd): &(Complex64, [Complex64; 2]),
-        force: &[Complex64],
-        (v, dv): (&[Complex64], &[Vec<Complex64>; 3]),
-        out: &mut HarmonicBlock,
-    ) {
-        let c = v.len();
-        let (square, s2) = (self.square(p), self.coupling[p].powi(2));
-        let rho2 = d.norm_sqr() + s2;
-        let rho = rho2.sqrt();
-        let load = load.modal(n, p, at);
-        let w = self.along(p, force) + load.value;
-        let alpha = self.along(p, v) / square;
-        let zero = Complex64::default();
-        out.pole = Some((p, rho2));
-        out.eta[p] = (d.conj() * w + alpha * s2) / rho2;
-        let turn = Turn::of((0..c).map(|i| self.y(i, p)).collect());
-        turn.apply(v, &mut out.residual);
-        out.residual[0] = (d * alpha - w) * (turn.length / rho);
-        for t in 0..3 {
-            let dd = if t < 2 { dd[t] } else { zero };
-            let d_rho = (d.conj() * dd).re / rho;
-            let d_alpha = self.along(p, &dv[t]) / square;
-            let dw = load.by[t];
-            turn.apply(&dv[t], &mut out.d_residual[t]);
-            let change = dd * alpha + d * d_alpha - dw - (d * alpha - w) * (d_rho / rho);
-            out.d_residual[t][0] = change * (turn.length / rho);
-            out.d_eta[t][p] = (dd.conj() * w + d.conj() * dw + d_alpha * s2) / rho2 - out.eta[p] * (2.0 * d_rho / rho);
+    fn apart(&self, mode: usize, n: usize, at: OperatingPoint, load: &Load, force: &[Complex64]) -> Apart {
+        let ((d, dd), load) = (dynamic_stiffness(&self.structure, n, mode, at), load.modal(n, mode, at));
+        let s2 = self.coupling[mode].powi(2);
+        let w = along(self.row(mode), force) + load.value;
+        Apart { mode, d, dd, s2, rho2: d.norm_sqr() + s2, w, dw: load.by, scalars: 3 }
+    }
+
+    /// Modal coordinate of the mode apart, from `v` and its derivatives.
+    fn resonant(&self, apart: &Apart, v: &[Complex64], dv: &[Vec<Complex64>; 3]) -> (Complex64, [Complex64; 3]) {
+        let (row, square) = (self.row(apart.mode), self.squares[apart.mode]);
+        let &Apart { d, s2, rho2, w, .. } = apart;
+        let eta = (d.conj() * w + along(row, v) / square * s2) / rho2;
+        let mut d_eta = [Complex64::default(); 3];
+        for (t, change) in d_eta.iter_mut().enumerate().take(apart.scalars) {
+            let dd = apart.dd.get(t).copied().unwrap_or_default();
+            let sum = dd.conj() * w + d.conj() * apart.dw[t] + along(row, &dv[t]) / square * s2;
+            *change = sum / rho2 - eta * (2.0 * (d.conj() * dd).re / rho2);
         }
-        // G of the other modes so far, and L = I, are turned in the same way.
-        let (mut column, mut turned) = (vec![zero; c], vec![zero; c]);
+        (eta, d_eta)
+    }
+
+    /// Motions of any phase, with damping and load.
+    fn evaluate_any(&self, n: usize, at: OperatingPoint, load: &Load, energy: bool, block: &mut HarmonicBlock) {
+        let (c, pole) = (self.size(), self.pole(n, at));
+        block.residual.copy_from_slice(&block.x);
+        // Modes that move no contact answer to a load alone, which only their energy tells.
+        let all = energy && load.has_harmonic(n);
+        let answering = (0..self.coupling.len()).filter(|&k| Some(k) != pole && (all || self.squares[k] > 0.0));
+        for answer in answering.map(|k| self.answer(k, n, at, load, &block.force)) {
+            self.take(&answer, &mut block.residual, &mut block.d_residual);
+            let row = self.row(answer.mode);
+            for (to, y) in block.g.chunks_exact_mut(c).zip(row) {
+                let scaled = answer.inverse * y;
+                to.iter_mut().zip(row).for_each(|(to, y)| *to += scaled * y);
+            }
+            if energy {
+                let mass = self.structure.inertia()[answer.mode];
+                block.kinetic.add(mass, answer.eta, answer.d_eta);
+                let weight = answer.eta.conj() * answer.inverse * mass;
+                block.kinetic.by_force.iter_mut().zip(row).for_each(|(to, y)| *to += weight * y);
+            }
+        }
+        let apart = pole.map(|mode| self.apart(mode, n, at, load, &block.force));
+        self.finish(apart, n, at, energy, block);
+    }
+
+    /// Motions that are even in time, without damping and load.
+    fn evaluate_even(&self, n: usize, at: OperatingPoint, modes: &mut ModeSums, block: &mut HarmonicBlock) {
+        let (c, nu) = (self.size(), n as f64 * at.omega);
+        let apart = modes.set(nu * nu, &block.force);
+        let (sums, slope) = (&modes.sums, -2.0 * n as f64 * nu);
+        block.g.iter_mut().zip(&sums.g).for_each(|(to, g)| to.re = *g);
+        for (i, row) in sums.g.chunks_exact(c).enumerate() {
+            block.residual[i] = block.x[i] - row.iter().zip(&block.force).map(|(g, f)| f * g).sum::<Complex64>();
+            block.d_residual[0][i].re = slope * sums.t[i];
+            block.kinetic.by_force[i].re = sums.t[i];
+        }
+        (block.kinetic.value, block.kinetic.by[0]) = (sums.energy[0], -slope * sums.energy[1]);
+        let of_mode = |mode| Apart { scalars: 1, ..self.apart(mode, n, at, &Load::default(), &block.force) };
+        self.finish(apart.map(|(mode, _)| of_mode(mode)), n, at, true, block);
+        if apart.is_some_and(|(_, below)| below % 2 == 1) {
+            block.l[..c].iter_mut().chain(&mut block.g[..c]).for_each(|v| *v = -*v);
+            block.residual[0] = -block.residual[0];
+            block.d_residual[0][0] = -block.d_residual[0][0];
+        }
+    }
+
+    /// Residual, matrices and energy, where the block has `v`, its derivatives, `G` and the sums of the energy of all
+    /// modes but the one apart.
+    fn finish(&self, apart: Option<Apart>, n: usize, at: OperatingPoint, energy: bool, block: &mut HarmonicBlock) {
+        let c = self.size();
+        if let Some(apart) = apart.as_ref().filter(|_| energy) {
+            self.add_energy(apart, block);
+        }
+        if energy {
+            block.kinetic.times_speed(n, at.omega);
+        }
+        match apart {
+            Some(apart) => self.take_apart(&apart, block),
+            None => (0..c).for_each(|i| block.l[i * c + i] = Complex64::ONE),
+        }
+    }
+
+    /// Adds the mode apart to the sums of the energy: `∂η_p/∂x = s_p² y_pᵀ/(|y_p|² ρ²)`,
+    /// `∂η_p/∂λ̂ = D̄_p y_pᵀ/ρ² − ∂η_p/∂x G`.
+    fn add_energy(&self, apart: &Apart, block: &mut HarmonicBlock) {
+        let (c, row, mass) = (self.size(), self.row(apart.mode), self.structure.inertia()[apart.mode]);
+        let (eta, d_eta) = self.resonant(apart, &block.residual, &block.d_residual);
+        let (weight, share) = (eta.conj() * mass, apart.s2 / (self.squares[apart.mode] * apart.rho2));
+        let (by_x, by_force) = (weight * share, weight * apart.d.conj() / apart.rho2);
+        for (i, y) in row.iter().enumerate() {
+            let of_others = along(row, &block.g[i * c..(i + 1) * c]);
+            block.kinetic.by_x[i] = by_x * y;
+            block.kinetic.by_force[i] += by_force * y - by_x * of_others;
+        }
+        block.kinetic.add(mass, eta, d_eta);
+    }
+
+    /// The equations with one mode apart, from `v`, its derivatives and `G` of the others in the block.
+    fn take_apart(&self, &Apart { mode, d, dd, rho2, w, dw, scalars, .. }: &Apart, block: &mut HarmonicBlock) {
+        let (c, row, square, turn) = (self.size(), self.row(mode), self.squares[mode], &self.turns[mode]);
+        let rho = rho2.sqrt();
+        let factor = turn.length / rho;
+        block.pole = Some((mode, rho2));
+        let alpha = along(row, &block.residual) / square;
+        let defect = d * alpha - w;
+        turn.apply(&mut block.residual);
+        block.residual[0] = defect * factor;
+        for (t, dv) in block.d_residual.iter_mut().enumerate().take(scalars) {
+            let (of_d, of_rho) = match dd.get(t) {
+                Some(dd) => (dd * alpha, (d.conj() * dd).re / rho),
+                None => (Complex64::default(), 0.0),
+            };
+            let d_alpha = along(row, dv) / square;
+            turn.apply(dv);
+            dv[0] = (of_d + d * d_alpha - dw[t] - defect * (of_rho / rho)) * factor;
+        }
+        // G of the other modes, and L = I, are turned in the same way.
         for j in 0..c {
-            (0..c).for_each(|i| column[i] = out.g[i * c + j]);
-            turn.apply(&column, &mut turned);
-            let along = self.along(p, &column) / square;
-            (1..c).for_each(|i| out.g[i * c + j] = turned[i]);
-            out.g[j] = (d * along + self.y(j, p)) * (turn.length / rho);
-            column.fill(zero);
-            column[j] = Complex64::ONE;
-            turn.apply(&column, &mut turned);
-            (1..c).for_each(|i| out.l[i * c + j] = turned[i]);
-            out.l[j] = d * (self.y(j, p) / square * turn.length / rho);
+            let column = |v: &[f64]| (0..c).map(|i| block.g[i * c + j] * v[i]).sum::<Complex64>();
+            let (of_turn, of_mode) = (column(&turn.w) * turn.beta, column(row) / square);
+            (1..c).for_each(|i| block.g[i * c + j] = of_turn * turn.w[i] - block.g[i * c + j]);
+            block.g[j] = (d * of_mode + row[j]) * factor;
+            (1..c).for_each(|i| {
+                block.l[i * c + j].re = turn.beta * turn.w[j] * turn.w[i] - if i == j { 1.0 } else { 0.0 }
+            });
+            block.l[j] = d * (row[j] / square * factor);
         }
     }
 }
@@ -221,9 +345,8 @@ impl Turn {
         Self { w, beta, length: sign * size }
     }
 
-    fn apply(&self, v: &[Complex64], out: &mut [Complex64]) {
-        let along: Complex64 = self.w.iter().zip(v).map(|(w, v)| v * *w).sum();
-        let turned = self.w.iter().zip(v).map(|(w, v)| along * (self.beta * w) - v);
-        out.iter_mut().zip(turned).for_each(|(out, v)| *out = v);
+    fn apply(&self, v: &mut [Complex64]) {
+        let along: Complex64 = self.w.iter().zip(&*v).map(|(w, v)| v * w).sum();
+        v.iter_mut().zip(&self.w).for_each(|(v, w)| *v = along * (self.beta * w) - *v);
     }
 }

@@ -62,6 +62,10 @@ impl Load {
         self.terms.iter().map(|t| t.harmonic).max().unwrap_or(0)
     }
 
+    pub(crate) fn has_harmonic(&self, n: usize) -> bool {
+        self.terms.iter().any(|t| t.harmonic == n)
+    }
+
     /// Modal load of mode k in harmonic n.
     pub(crate) fn modal(&self, n: usize, k: usize, at: OperatingPoint) -> Varied {
         self.sum(n, at, |term| term.modal[k])

@@ -3,7 +3,7 @@ use std::sync::Arc;
 use nlmodes_linalg::max_norm;
 use num_complex::Complex64;
 
-use super::block::{HarmonicBlock, LinearResponse, dynamic_stiffness};
+use super::block::{HarmonicBlock, LinearResponse, ModalMotion, dynamic_stiffness};
 use super::load::Load;
 use super::operating_point::OperatingPoint;
 use super::structure::ModalStructure;
@@ -55,74 +55,72 @@ impl LinearResponse for ModalResponse {
         length / self.largest_row.max(f64::MIN_POSITIVE)
     }
 
-    fn evaluate(
-        &self,
-        n: usize,
-        at: OperatingPoint,
-        load: &Load,
-        x: &[Complex64],
-        force: &[Complex64],
-        out: &mut HarmonicBlock,
-    ) {
-        let (d, m) = (self.active.len(), self.structure.n_modes());
-        out.reset(d, m);
-        let stiffness: Vec<_> = (0..m).map(|k| dynamic_stiffness(&self.structure, n, k, at)).collect();
-        out.d.iter_mut().zip(&stiffness).for_each(|(d, s)| *d = s.0);
-        for k in (0..m).filter(|k| !self.active.contains(k)) {
-            self.answer_alone(k, n, at, load, &stiffness[k], out);
-        }
+    fn evaluate(&mut self, n: usize, at: OperatingPoint, load: &Load, energy: bool, block: &mut HarmonicBlock) {
+        block.reset();
+        let d = self.active.len();
         let damping = self.structure.damping();
         let nu = n as f64 * at.omega;
         for (row, &k) in self.active.iter().enumerate() {
-            let (value, change) = stiffness[k];
+            let (value, change) = dynamic_stiffness(&self.structure, n, k, at);
             let rho = value.norm().hypot(self.coupling[k]);
             let p = load.modal(n, k, at);
-            let mut sum = value * x[row] - force[row] - p.value;
+            let x = &block.x;
+            let mut sum = value * x[row] - block.force[row] - p.value;
             let mut by = [change[0] * x[row] - p.by[0], change[1] * x[row] - p.by[1], -p.by[2]];
-            out.l[row * d + row] = value / rho;
-            out.g[row * d + row] = Complex64::new(1.0 / rho, 0.0);
+            block.l[row * d + row] = value / rho;
+            block.g[row * d + row] = Complex64::new(1.0 / rho, 0.0);
             if !damping.is_diagonal() {
                 for (column, &j) in self.active.iter().enumerate().filter(|(_, j)| **j != k) {
                     let coupled = Complex64::new(0.0, nu * damping.entry(k, j));
                     sum += coupled * x[column];
                     by[0] += Complex64::new(0.0, n as f64 * damping.entry(k, j)) * x[column];
-                    out.l[row * d + column] = coupled / rho;
+                    block.l[row * d + column] = coupled / rho;
                 }
             }
-            out.residual[row] = sum / rho;
+            block.residual[row] = sum / rho;
             for t in 0..3 {
                 let d_rho = if t < 2 { (value.conj() * change[t]).re / rho } else { 0.0 };
-                out.d_residual[t][row] = (by[t] - sum * (d_rho / rho)) / rho;
+                block.d_residual[t][row] = (by[t] - sum * (d_rho / rho)) / rho;
             }
-            out.eta[k] = x[row];
+        }
+        if energy {
+            let (motion, inertia) = (self.modal_motion(n, at, load, block), self.structure.inertia());
+            for (k, mass) in inertia.iter().enumerate() {
+                block.kinetic.add(*mass, motion.eta[k], [0, 1, 2].map(|t| motion.d_eta[t][k]));
+            }
+            let of_coordinate = self.active.iter().map(|&k| motion.eta[k].conj() * inertia[k]);
+            block.kinetic.by_x.iter_mut().zip(of_coordinate).for_each(|(to, weight)| *to = weight);
+            block.kinetic.times_speed(n, at.omega);
         }
     }
 
-    fn pull(&self, _block: &HarmonicBlock, weights: &[Complex64]) -> (Vec<Complex64>, Vec<Complex64>) {
+    fn modal_motion(&self, n: usize, at: OperatingPoint, load: &Load, block: &HarmonicBlock) -> ModalMotion {
+        let mut motion = ModalMotion::at_rest(self.structure.n_modes());
+        self.active.iter().zip(&block.x).for_each(|(&k, x)| motion.eta[k] = *x);
+        let alone = (0..motion.eta.len()).filter(|k| load.has_harmonic(n) && !self.active.contains(k));
+        for k in alone {
+            let (p, (d, dd)) = (load.modal(n, k, at), dynamic_stiffness(&self.structure, n, k, at));
+            if p.value == Complex64::default() && p.by.iter().all(|by| *by == Complex64::default()) {
+                continue;
+            }
+            let eta = p.value / d;
+            motion.eta[k] = eta;
+            for t in 0..3 {
+                let dd = if t < 2 { dd[t] } else { Complex64::default() };
+                motion.d_eta[t][k] = (p.by[t] - eta * dd) / d;
+            }
+        }
+        motion
+    }
+
+    fn pull(
+        &self,
+        _: usize,
+        _: OperatingPoint,
+        _: &HarmonicBlock,
+        weights: &[Complex64],
+    ) -> (Vec<Complex64>, Vec<Complex64>) {
         let by_x = self.active.iter().map(|&k| weights[k]).collect();
         (by_x, vec![Complex64::default(); self.active.len()])
-    }
-}
-
-impl ModalResponse {
-    fn answer_alone(
-        &self,
-        k: usize,
-        n: usize,
-        at: OperatingPoint,
-        load: &Load,
-        (d, dd): &(Complex64, [Complex64; 2]),
-        out: &mut HarmonicBlock,
-    ) {
-        let p = load.modal(n, k, at);
-        if p.value == Complex64::default() && p.by.iter().all(|by| *by == Complex64::default()) {
-            return;
-        }
-        let eta = p.value / d;
-        out.eta[k] = eta;
-        for t in 0..3 {
-            let dd = if t < 2 { dd[t] } else { Complex64::default() };
-            out.d_eta[t][k] = (p.by[t] - eta * dd) / d;
-        }
     }
 }

@@ -127,7 +127,7 @@ impl PeriodicSystem {
     pub fn motion(&mut self, x: &[f64], p: f64) -> Result<PeriodicMotion, HbmError> {
         let at = self.solve(x, p)?;
         let (series, c) = (self.series(), self.structure.n_contacts());
-        let eta: Vec<Vec<Complex64>> = self.blocks.iter().map(|b| b.eta.clone()).collect();
+        let eta: Vec<Vec<Complex64>> = (0..self.blocks.len()).map(|n| self.modal_motion(n, at).eta).collect();
         let forces: Vec<Vec<Complex64>> = (0..eta.len()).map(|n| complex_harmonic(series, &self.forces, n)).collect();
         let free = complex_harmonic(series, &self.y, 1);
         let mean = self.operator.mean_forces();

@@ -80,14 +80,15 @@ impl PeriodicSystem {
         self.series().symmetry == Symmetry::None && !self.operator.is_sampled()
     }
 
-    /// The gaps without contact forces of the coefficients `x` with twice the digits; `moved` (c × width, m) is what
-    /// the load adds.
+    /// The gaps without contact forces of the coefficients `x` with twice the digits; `moved` is what the load
+    /// [adds](Self::load_gaps).
     pub(super) fn fine_gaps(&self, x: &[f64], moved: &[f64]) -> Vec<Double> {
         let (unit, width) = (Double::of(self.unit()), self.series().width());
         let (c, d) = (self.structure.n_contacts(), self.response.n_coordinates());
         let coefficient = |k: usize| Double { high: x[k], low: self.rest[k] } * unit;
         let coefficients: Vec<Double> = (0..d * width).map(coefficient).collect();
-        let mut gaps: Vec<Double> = moved.iter().map(|v| Double::of(*v)).collect();
+        let mut gaps = vec![Double::ZERO; c * width];
+        gaps.iter_mut().zip(moved).for_each(|(gap, moved)| *gap = Double::of(*moved));
         for i in 0..c {
             let gap = &mut gaps[i * width..(i + 1) * width];
             gap[0] = gap[0] + Double::of(self.structure.gaps()[i]);

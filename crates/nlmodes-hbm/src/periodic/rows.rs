@@ -33,10 +33,9 @@ impl Assembly {
         self.forces.fill(0.0);
     }
 
-    /// Adds the share of one closed set to `dλ̂/dx`: `map` (d × d) while it is closed.
-    pub fn add_forces(&mut self, map: &[f64], averages: &[Complex64]) {
+    /// Adds the share of one closed set to `dλ̂/dx`: `map` (d × d) while it is closed, and `product` for when that is.
+    pub fn add_forces(&mut self, map: &[f64], product: &[f64]) {
         let (d, width, size) = (self.coordinates, self.series.width(), self.size());
-        let product = self.series.multiplication(averages);
         for (i, m) in (0..d).flat_map(|i| (0..width).map(move |m| (i, m))) {
             let row = &mut self.forces[(i * width + m) * size..][..size];
             let product = &product[m * width..(m + 1) * width];
@@ -74,7 +73,7 @@ impl Assembly {
     }
 
     /// Adds the derivative of harmonic `n` with respect to scalar `t` (ω, ξ, level), times `factor`, to a column;
-    /// `force` is that of `λ̂`.
+    /// `force` is that of `λ̂`, or empty.
     #[expect(clippy::too_many_arguments, reason = "one product with all its factors")]
     pub fn scalar_column(
         &self,
@@ -88,7 +87,7 @@ impl Assembly {
     ) {
         let (d, width) = (self.coordinates, self.series.width());
         for i in 0..d {
-            let through: Complex64 = (0..d).map(|e| block.g[i * d + e] * force[e]).sum();
+            let through: Complex64 = block.g[i * d..].iter().zip(force).map(|(g, force)| g * force).sum();
             let value = block.d_residual[t][i] - through;
             jacobian[(i * width + n, column)] += value.re * factor;
             if let Some(sine) = self.series.sine(n) {
@@ -109,17 +108,21 @@ impl Assembly {
 
 /// Complex amplitudes of harmonic `n` of many series, one after the other.
 pub(crate) fn complex_harmonic(series: RealSeries, real: &[f64], n: usize) -> Vec<Complex64> {
-    let sine = series.sine(n);
-    real.chunks(series.width()).map(|c| Complex64::new(c[n], -sine.map_or(0.0, |s| c[s]))).collect()
+    harmonics_of(series, real, n).collect()
 }
 
-/// Adds weights `w` of complex amplitudes, of which `Re(w z)` counts, to those of the real coefficients.
-pub(crate) fn add_weights(series: RealSeries, n: usize, weights: &[Complex64], real: &mut [f64]) {
+pub(crate) fn harmonics_of(series: RealSeries, real: &[f64], n: usize) -> impl Iterator<Item = Complex64> {
+    let sine = series.sine(n);
+    real.chunks(series.width()).map(move |c| Complex64::new(c[n], -sine.map_or(0.0, |s| c[s])))
+}
+
+/// Adds weights `w` of complex amplitudes, of which `Re(w z)` counts, times `factor` to those of the real coefficients.
+pub(crate) fn add_weights(series: RealSeries, n: usize, weights: &[Complex64], factor: f64, real: &mut [f64]) {
     let sine = series.sine(n);
     for (real, w) in real.chunks_mut(series.width()).zip(weights) {
-        real[n] += w.re;
+        real[n] += factor * w.re;
         if let Some(sine) = sine {
-            real[sine] += w.im;
+            real[sine] += factor * w.im;
         }
     }
 }

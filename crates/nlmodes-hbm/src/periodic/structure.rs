@@ -16,7 +16,7 @@ use crate::HbmError;
 ///
 /// `Y` (c × m, 1/√kg) are the modes as the gaps see them, `A` (c × c, m/N) the residual flexibility, `C` the compliance
 /// of the stops. The contacts themselves have no mass. A structure whose contact nodes are massless is of this form
-/// with all its modes.
+/// with all its modes, [`ModalStructure::of_massless`].
 #[derive(Debug, Clone)]
 pub struct ModalStructure {
     pub(super) omega_squared: Vec<f64>,

@@ -2,14 +2,13 @@ use std::sync::Arc;
 
 use nlmodes_contact::LcpSolver;
 use nlmodes_continuation::{Boundary, Linearization, ParametricSystem};
-use num_complex::Complex64;
 
 use super::analyses::Coordinates;
-use super::block::{HarmonicBlock, LinearResponse};
+use super::block::{HarmonicBlock, LinearResponse, ModalMotion};
 use super::closing_equations::{Functional, Motion};
 use super::load::Load;
 use super::operating_point::{Closing, Column, OperatingPoint};
-use super::rows::{Assembly, add_weights, complex_harmonic};
+use super::rows::{Assembly, add_weights, complex_harmonic, harmonics_of};
 use super::structure::ModalStructure;
 use crate::energy::inner;
 use crate::{ContactOperator, HbmError, MAX_HARMONICS, RealSeries, Scales, Switching, Symmetry};
@@ -178,20 +177,32 @@ impl PeriodicSystem {
         let generalised = self.generalised(&self.forces);
         let unit = self.unit();
         let coefficients: Vec<f64> = x[..self.n_coefficients()].iter().map(|x| x * unit).collect();
+        let energy = self.closing.equations.iter().any(|equation| equation.asks_for_energy());
         for n in 0..=series.n_harmonics {
-            let x = complex_harmonic(series, &coefficients, n);
-            let force = complex_harmonic(series, &generalised, n);
-            self.response.evaluate(n, at, &self.load, &x, &force, &mut self.blocks[n]);
+            let block = &mut self.blocks[n];
+            for (to, from) in [(&mut block.x, &coefficients), (&mut block.force, &generalised)] {
+                to.clear();
+                to.extend(harmonics_of(series, from, n));
+            }
+            self.response.evaluate(n, at, &self.load, energy, block);
         }
         Ok(at)
     }
 
-    /// Gaps without contact forces of the coefficients `x`; `moved` (c × width, m) is what the load adds.
+    /// Modal coordinates of harmonic `n` of the motion solved last.
+    pub(crate) fn modal_motion(&self, n: usize, at: OperatingPoint) -> ModalMotion {
+        self.response.modal_motion(n, at, &self.load, &self.blocks[n])
+    }
+
+    /// Gaps without contact forces of the coefficients `x`; `moved` is what the load [adds](Self::load_gaps).
     pub(super) fn form_gaps(&mut self, x: &[f64], moved: &[f64]) {
         let (unit, d) = (self.unit(), self.response.n_coordinates());
         let width = self.series().width();
         for (i, y) in self.y.chunks_mut(width).enumerate() {
-            y.copy_from_slice(&moved[i * width..(i + 1) * width]);
+            match moved.get(i * width..(i + 1) * width) {
+                Some(moved) => y.copy_from_slice(moved),
+                None => y.fill(0.0),
+            }
             for j in (0..d).filter(|j| self.gap_map[i * d + j] != 0.0) {
                 let factor = self.gap_map[i * d + j] * unit;
                 y.iter_mut().zip(&x[j * width..]).for_each(|(y, x)| *y += factor * x);
@@ -201,13 +212,13 @@ impl PeriodicSystem {
     }
 
     /// What the load adds to the gaps (c × width): derivatives with respect to ω, ξ and the level, and, last, the
-    /// value.
+    /// value; empty where it moves none.
     pub(super) fn load_gaps(&self, at: OperatingPoint) -> [Vec<f64>; 4] {
         let (series, c) = (self.series(), self.structure.n_contacts());
-        let mut moved = [0, 1, 2, 3].map(|_| vec![0.0; c * series.width()]);
         if !self.load.moves_gaps() {
-            return moved;
+            return Default::default();
         }
+        let mut moved = [0, 1, 2, 3].map(|_| vec![0.0; c * series.width()]);
         for n in 0..=series.n_harmonics {
             for i in 0..c {
                 let gap = self.load.gap(n, i, at);
@@ -219,10 +230,10 @@ impl PeriodicSystem {
         moved
     }
 
-    /// `Pᵀ λ`, d × width, from λ (c × width).
+    /// `Pᵀ λ`, d × width, from λ (c × width); of nothing nothing.
     fn generalised(&self, forces: &[f64]) -> Vec<f64> {
         let (d, width) = (self.response.n_coordinates(), self.series().width());
-        let mut out = vec![0.0; d * width];
+        let mut out = vec![0.0; if forces.is_empty() { 0 } else { d * width }];
         for (i, force) in forces.chunks(width).enumerate() {
             for (j, out) in out.chunks_mut(width).enumerate().filter(|(j, _)| self.gap_map[i * d + j] != 0.0) {
                 let factor = self.gap_map[i * d + j];
@@ -237,9 +248,9 @@ impl PeriodicSystem {
         let d = self.response.n_coordinates();
         self.maps.resize(self.operator.sets.len(), None);
         self.assembly.clear_forces();
-        for (set, averages) in &self.operator.spectra {
-            let map = self.maps[*set].get_or_insert_with(|| {
-                let (set, p) = (self.operator.sets.get(*set), &self.gap_map);
+        for spectrum in &self.operator.spectra {
+            let map = self.maps[spectrum.set].get_or_insert_with(|| {
+                let (set, p) = (self.operator.sets.get(spectrum.set), &self.gap_map);
                 let mut map = vec![0.0; d * d];
                 for &i in &set.active {
                     // Row i of S P.
@@ -253,7 +264,7 @@ impl PeriodicSystem {
                 }
                 map
             });
-            self.assembly.add_forces(map, averages);
+            self.assembly.add_forces(map, spectrum.product(self.operator.series));
         }
     }
 }
@@ -261,22 +272,26 @@ impl PeriodicSystem {
 impl PeriodicSystem {
     /// Derivatives of a closing equation through the motion: with respect to the coefficients, and to ω, ξ and the
     /// level; `forces_by` are those of the forces with respect to the latter through the gaps.
-    fn gradient(&self, functional: &Functional, forces_by: &[Vec<f64>; 3]) -> (Vec<f64>, [f64; 3]) {
+    fn gradient(&self, functional: &Functional, at: OperatingPoint, forces_by: &[Vec<f64>; 3]) -> (Vec<f64>, [f64; 3]) {
         let (series, d) = (self.series(), self.response.n_coordinates());
         let width = series.width();
         let (mut by_x, mut by_generalised) = (vec![0.0; d * width], vec![0.0; d * width]);
         let (mut by_force, mut by) = (vec![0.0; self.forces.len()], functional.by);
         for (n, weights) in &functional.eta {
-            let block = &self.blocks[*n];
-            let (x, force) = self.response.pull(block, weights);
-            add_weights(series, *n, &x, &mut by_x);
-            add_weights(series, *n, &force, &mut by_generalised);
-            for (by, d_eta) in by.iter_mut().zip(&block.d_eta) {
+            let (x, force) = self.response.pull(*n, at, &self.blocks[*n], weights);
+            add_weights(series, *n, &x, 1.0, &mut by_x);
+            add_weights(series, *n, &force, 1.0, &mut by_generalised);
+            for (by, d_eta) in by.iter_mut().zip(&self.modal_motion(*n, at).d_eta) {
                 *by += weights.iter().zip(d_eta).map(|(w, d)| (w * d).re).sum::<f64>();
             }
         }
+        for (n, block) in self.blocks.iter().enumerate().filter(|_| functional.by_energy != 0.0) {
+            add_weights(series, n, &block.kinetic.by_x, functional.by_energy, &mut by_x);
+            add_weights(series, n, &block.kinetic.by_force, functional.by_energy, &mut by_generalised);
+            by.iter_mut().zip(block.kinetic.by).for_each(|(by, of)| *by += functional.by_energy * of);
+        }
         for (n, weights) in &functional.forces {
-            add_weights(series, *n, weights, &mut by_force);
+            add_weights(series, *n, weights, 1.0, &mut by_force);
         }
         for (i, by_force) in by_force.chunks_mut(width).enumerate() {
             for (j, from) in by_generalised.chunks(width).enumerate().filter(|(j, _)| self.gap_map[i * d + j] != 0.0) {
@@ -313,9 +328,7 @@ impl ParametricSystem for PeriodicSystem {
         };
         let slopes = self.closing.sources().map(|source| source.slope(p).map(|(c, slope)| (column(c), slope)));
         let moved = self.load_gaps(at);
-        let moves_gaps = self.load.moves_gaps();
-        // Where the load moves no gap, nothing of it moves a force.
-        let forces_by = [0, 1, 2].map(|t| if moves_gaps { self.operator.apply(&moved[t]) } else { moved[t].clone() });
+        let forces_by = [0, 1, 2].map(|t| self.operator.apply(&moved[t]));
         let generalised_by = [0, 1, 2].map(|t| self.generalised(&forces_by[t]));
         for n in 0..self.blocks.len() {
             self.assembly.rows_of(n, &self.blocks[n], unit, &mut out.residual);
@@ -325,22 +338,19 @@ impl ParametricSystem for PeriodicSystem {
                 self.assembly.scalar_column(n, &self.blocks[n], t, &force, slope / unit, *column, &mut out.jacobian);
             }
         }
-        let series = self.operator.series();
-        let eta: Vec<&[Complex64]> = self.blocks.iter().map(|b| b.eta.as_slice()).collect();
-        let forces: Vec<Vec<Complex64>> = (0..eta.len()).map(|n| complex_harmonic(series, &self.forces, n)).collect();
         let motion = Motion {
             at,
             p,
             x: &x[..size],
-            eta: &eta,
-            forces: &forces,
+            eta: &|n| self.modal_motion(n, at).eta,
+            kinetic_energy: self.blocks.iter().map(|block| block.kinetic.value).sum(),
+            forces: &|n| complex_harmonic(self.series(), &self.forces, n),
             load: &self.load,
-            inertia: self.structure.inertia(),
         };
         for (k, equation) in self.closing.equations.iter().enumerate() {
             let functional = equation.evaluate(&motion)?;
             out.residual[size + k] = functional.value;
-            let (entries, by) = self.gradient(&functional, &forces_by);
+            let (entries, by) = self.gradient(&functional, at, &forces_by);
             for (j, entry) in entries.iter().enumerate() {
                 out.jacobian[(size + k, j)] = entry * unit + functional.x.get(j).copied().unwrap_or(0.0);
             }
