@@ -170,20 +170,11 @@ fn one_branch(
         wall_time: began.elapsed(),
         failure: written.err(),
     };
-    for point in missing_points(&part) {
-        let n_points = part.tree.branches.first().map_or(0, |computed| computed.branch.points.len());
-        let text =
-            format!("output.histories asks for point {point}, which the branch of {n_points} points does not have");
-        observer.event(Event::Warning(&text));
-    }
+    let n_points = part.tree.branches.first().map_or(0, |computed| computed.branch.points.len());
+    let missing = histories::missing(&part.scene.files, "branch", n_points);
+    missing.for_each(|text| observer.event(Event::Warning(&text)));
     observer.event(Event::Done(&part));
     Ok(part)
-}
-
-/// Points with histories that were asked for and are not there.
-fn missing_points(part: &PartOutcome) -> impl Iterator<Item = usize> {
-    let n_points = part.tree.branches.first().map_or(0, |computed| computed.branch.points.len());
-    part.scene.files.histories.iter().copied().filter(move |point| *point >= n_points)
 }
 
 /// Whether a run of the scene would begin, with each of its numbers of harmonics; the open modes of its structure, if

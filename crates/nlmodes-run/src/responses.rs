@@ -163,7 +163,15 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
     let compared: Vec<(LaidCurve, Vec<Beside>)> = laid.iter().map(beside).collect();
     let left_out = compared.iter().filter_map(|(curve, found)| overlaid::left_out(curve, found));
     left_out.for_each(|text| observer.event(Event::Warning(&text)));
-    let failure = files(&file.scene, &model, (&curves, &laid), &compared, &certificate, began).err();
+    let n_points = curves.iter().map(|computed| computed.branch.points.len()).sum();
+    histories::missing(&file.scene.files, "run", n_points).for_each(|text| observer.event(Event::Warning(&text)));
+    let period = period(&file.scene, &model, &curves);
+    let warning = period.as_ref().ok().and_then(Option::as_ref).and_then(Period::warning);
+    warning.iter().for_each(|text| observer.event(Event::Warning(text)));
+    let written = |period: Option<Period>| {
+        files(&file.scene, &model, (&curves, &laid), (&compared, period.as_ref()), &certificate, began)
+    };
+    let failure = period.and_then(written).err();
     Ok(ResponsesOutcome {
         scene: file.scene,
         curves,
@@ -175,6 +183,13 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
     })
 }
 
+/// A period of the first curve, where figures or a page show it.
+fn period(scene: &Scene, model: &Model, curves: &[ComputedResponse]) -> Result<Option<Period>, Failure> {
+    let is_shown = scene.files.figures || scene.files.page;
+    let shown = viewed(scene, model, curves);
+    shown.first().filter(|_| is_shown).map_or(Ok(None), |first| Period::of(model.reduction.as_ref(), first))
+}
+
 /// Most detached curves that are followed.
 const MOST_DETACHED: usize = 20;
 
@@ -183,7 +198,7 @@ fn files(
     scene: &Scene,
     model: &Model,
     (curves, laid): (&[ComputedResponse], &[LaidCurve]),
-    compared: &[(LaidCurve, Vec<Beside>)],
+    (compared, period): (&[(LaidCurve, Vec<Beside>)], Option<&Period>),
     certificate: &Certificate,
     began: Instant,
 ) -> Result<(), Failure> {
@@ -191,17 +206,14 @@ fn files(
     overlaid::write(directory, compared)?;
     let shown = viewed(scene, model, curves);
     let each: Vec<&dyn Curve> = shown.iter().map(|curve| curve as &dyn Curve).collect();
-    let is_shown = scene.files.figures || scene.files.page;
-    let first = each.first().filter(|_| is_shown);
-    let period = first.map_or(Ok(None), |first| Period::of(model.reduction.as_ref(), *first))?;
     curve::tables::write(directory, &each)?;
     curve::tables::write_motions(directory, &scene.files, &each)?;
     tables::write_forces(directory, curves)?;
-    if let Some(period) = &period {
+    if let Some(period) = period {
         period.write(scene)?;
     }
-    summary::write(directory, (scene, model), (curves, certificate), period.as_ref(), began)?;
-    let Some(first) = first else { return Ok(()) };
+    summary::write(directory, (scene, model), (curves, certificate), period, began)?;
+    let Some(first) = each.first().filter(|_| scene.files.figures || scene.files.page) else { return Ok(()) };
     let (figures, references) = (figures::all(scene, model, (curves, laid))?, histories::own_references(*first)?);
     if scene.files.figures {
         let style = style_of(&scene.files);
@@ -217,7 +229,7 @@ fn files(
         return Ok(());
     }
     let sentences = compared.iter().map(|(curve, found)| overlaid::sentence(curve, found)).collect();
-    let (is_overlaid, references, period) = (!laid.is_empty(), references.as_slice(), period.as_ref());
+    let (is_overlaid, references) = (!laid.is_empty(), references.as_slice());
     let content = page::Shown { certificate, sentences, is_overlaid, figures, references, period };
     page::write(directory, (scene, model), (&shown, curves), content)
 }

@@ -125,6 +125,13 @@ pub fn write(directory: &Path, references: &[Reference], style: &FigureStyle) ->
     Ok(())
 }
 
+/// What is said of points that `output.histories` asks for and `what`, of so many points, does not have.
+pub fn missing(files: &OutputFiles, what: &str, n_points: usize) -> impl Iterator<Item = String> {
+    let points = files.histories.iter().filter(move |point| **point >= n_points);
+    let said = format!("which the {what} of {n_points} points does not have");
+    points.map(move |point| format!("output.histories asks for point {point}, {said}"))
+}
+
 /// Motions of the contacts at the points that figures and page show, if there are any: of the first curve those of
 /// pictures too, of all their references; and at those that are asked for, by their numbers in the table of all curves.
 ///
