@@ -1,7 +1,6 @@
 //! The branches of a scene, of each of its methods and numbers of harmonics.
 
 pub(crate) mod curve;
-mod overlaid;
 mod page;
 mod references;
 pub mod repeated;
@@ -29,13 +28,12 @@ use crate::journal::Journal;
 use crate::linear::{LinearFrequencies, frequencies};
 use crate::open_modes::OpenLinearModes;
 use crate::outcome::{PartOutcome, RunOutcome};
-use crate::overlay::{self, Laid};
+use crate::overlay::{self, Laid, Overlaid};
 use crate::settings::{Models, branch_settings, models, models_sharing, starts};
 use crate::style::style_of;
 use crate::updating::updated;
 use crate::{Event, Failure, Observer, Over, RunError, doubts, links, mass, no_contact, refusal};
 use curve::BranchCurve;
-use overlaid::Overlaid;
 use sink::{Sink, branch_directory};
 
 /// Computes the branches of scenes that differ in their method only, and writes their files into the directory that the

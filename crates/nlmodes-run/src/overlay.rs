@@ -1,5 +1,6 @@
 //! Results of other runs, and of tests, laid over those of a scene, with the differences in numbers.
 
+mod compared;
 mod contacts;
 mod curves;
 mod differences;
@@ -9,6 +10,7 @@ mod stops;
 mod unused;
 mod written;
 
+pub(crate) use compared::Overlaid;
 pub(crate) use curves::{LaidCurve, curves};
 pub use differences::{Difference, Equal, at_equal_frequency, differences};
 pub use read::{Laid, OverlayError, read};

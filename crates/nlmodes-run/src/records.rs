@@ -1,6 +1,5 @@
 //! Measured records into modal points.
 
-pub(crate) mod against;
 pub(crate) mod figures;
 mod modes;
 pub(crate) mod page;
@@ -14,9 +13,8 @@ use nlmodes::experiment::records::{Record, RecordError, RecordTable, Recording};
 use nlmodes_scene::{RecordScene, SceneError, SceneFile};
 
 use crate::claim::Claim;
-use crate::overlay::{self, Laid};
+use crate::overlay::{self, Laid, Overlaid};
 use crate::{Failure, Observer, Over, RunError, chain, links, refusal};
-use against::Against;
 use table::Table;
 pub use words::in_words;
 
@@ -195,9 +193,9 @@ fn write(scene: &RecordScene, outcomes: &[RecordOutcome], laid: &[Laid]) -> Resu
     table.write(&directory.join("modal_points.csv"))?;
     summary::write(directory, scene, outcomes)?;
     let drawn = figures::write(directory, &scene.title, outcomes, laid)?;
-    let against = Against::new(outcomes, laid);
-    against.write(directory)?;
+    let against = Overlaid::of_test(figures::of_records(outcomes).as_ref(), laid);
+    against.write(directory, "overlay")?;
     let lines: Vec<String> =
         std::iter::once(format!("Records: {}", scene.files.join(", "))).chain(against.sentences()).collect();
-    page::write(directory, &scene.title, &lines, outcomes, (laid, &against.tables()), &drawn, &[])
+    page::write(directory, &scene.title, &lines, outcomes, (laid, &against), &drawn, &[])
 }

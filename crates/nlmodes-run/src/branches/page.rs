@@ -9,7 +9,6 @@ use nlmodes_scene::scene::Scene;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::overlaid::Overlaid;
 use super::summary::method_used;
 use crate::Failure;
 use crate::certificate::Certificate;
@@ -19,6 +18,7 @@ use crate::curve::page::{self, Certified, Content};
 use crate::curve::space::Period;
 use crate::curve::stops::held_ends;
 use crate::linear::{LinearFrequencies, modal_model};
+use crate::overlay::Overlaid;
 
 /// What the page shows beside the branches.
 pub struct Shown<'a> {

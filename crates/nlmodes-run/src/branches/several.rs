@@ -8,7 +8,6 @@ use nlmodes::report::write_summary;
 use serde::Serialize;
 
 use super::curve::BranchCurve;
-use super::overlaid::Overlaid;
 use super::references::references;
 use super::{one_branch, page};
 use crate::certificate::Certificate;
@@ -16,7 +15,7 @@ use crate::claim::Claim;
 use crate::curve::{Curve, figures, histories};
 use crate::files::remove_figures;
 use crate::outcome::{PartOutcome, RunOutcome};
-use crate::overlay::Laid;
+use crate::overlay::{Laid, Overlaid};
 use crate::style::style_of;
 use crate::{Event, Failure, Observer, RunError};
 use nlmodes_scene::SceneFile;

@@ -99,6 +99,11 @@ pub fn measured(found: &[&RecordExtraction]) -> Option<ModalBranch> {
     })
 }
 
+/// The modal points of these records.
+pub fn of_records(outcomes: &[RecordOutcome]) -> Option<ModalBranch> {
+    measured(&outcomes.iter().filter_map(|outcome| outcome.result.as_ref().ok()).collect::<Vec<_>>())
+}
+
 fn frequency_figure(title: &str, measured: &ModalBranch, beside: &[Laid]) -> Result<Figure, Failure> {
     let branches: Vec<&ModalBranch> = std::iter::once(measured).chain(beside.iter().map(|laid| &laid.branch)).collect();
     let scattered = scattered(beside, 1);

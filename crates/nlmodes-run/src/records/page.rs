@@ -10,7 +10,7 @@ use super::RecordOutcome;
 use super::figures::{Drawn, measured, scattered};
 use crate::Failure;
 use crate::curve::page::{self, Content};
-use crate::overlay::Laid;
+use crate::overlay::{Laid, Overlaid};
 use nlmodes_scene::number;
 
 /// Most records whose time histories and contact forces are on the page: those with the largest forces.
@@ -25,7 +25,7 @@ pub fn write(
     title: &str,
     lines: &[String],
     outcomes: &[RecordOutcome],
-    (beside, differences): (&[Laid], &[DataTable]),
+    (beside, against): (&[Laid], &Overlaid),
     figures: &[Drawn],
     wrong: &[String],
 ) -> Result<(), Failure> {
@@ -45,7 +45,7 @@ pub fn write(
     let content = Content {
         title,
         lines: lines.to_vec(),
-        tables: [points(outcomes)].into_iter().chain(differences.iter().cloned()).chain([findings(outcomes)]).collect(),
+        tables: [points(outcomes)].into_iter().chain(against.tables()).chain([findings(outcomes)]).collect(),
         laid: own.iter().chain(beside.iter().map(|laid| &laid.branch)).collect(),
         scattered,
         ..Content::default()

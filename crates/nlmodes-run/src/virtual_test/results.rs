@@ -14,8 +14,7 @@ use super::bench::Rig;
 use super::summary;
 use crate::Failure;
 use crate::forces::{self, Forces};
-use crate::overlay::Laid;
-use crate::records::against::Against;
+use crate::overlay::{Laid, Overlaid};
 use crate::records::table::{Drive, Table};
 use crate::records::{RecordOutcome, figures, page};
 use nlmodes_scene::scene::{BackboneMethod, RecordFormat, TestScene};
@@ -84,14 +83,14 @@ pub fn write(
         .collect();
     let computed = backbones.iter().map(|branch| Laid { branch: (*branch).clone(), is_scattered: false });
     let beside: Vec<Laid> = computed.chain(laid.iter().cloned()).collect();
-    let against = Against::new(&outcomes, &beside);
-    against.write(directory)?;
+    let against = Overlaid::of_test(figures::of_records(&outcomes).as_ref(), &beside);
+    against.write(directory, "overlay")?;
     let text = summary::json(scene, rig, told, (&backbones, &against), wrong, wall_time);
     write_summary(directory.join("summary.json"), &text)?;
     let drawn = figures::write(directory, &scene.title, &outcomes, &beside)?;
     let lines: Vec<String> = summary::model(scene, rig).lines().map(str::to_owned).collect();
     let lines: Vec<String> = lines.into_iter().chain(against.sentences()).collect();
-    page::write(directory, &scene.title, &lines, &outcomes, (&beside, &against.tables()), &drawn, wrong)
+    page::write(directory, &scene.title, &lines, &outcomes, (&beside, &against), &drawn, wrong)
 }
 
 /// The force of a level in the harmonics that were controlled, if there were several.

@@ -8,7 +8,7 @@ use nlmodes::virtual_test::TestLevel;
 use serde_json::{Value, json};
 
 use super::bench::Rig;
-use crate::records::against::Against;
+use crate::overlay::Overlaid;
 use nlmodes_scene::scene::TestScene;
 
 /// Description of the model, in one line, so that it is not mistaken for the finite-element structure.
@@ -52,7 +52,7 @@ pub fn json(
     scene: &TestScene,
     rig: &Rig,
     levels: Vec<Value>,
-    (backbones, against): (&[&ModalBranch], &Against),
+    (backbones, against): (&[&ModalBranch], &Overlaid),
     wrong: &[String],
     wall_time: Duration,
 ) -> Value {

@@ -1,15 +1,16 @@
-//! What is laid over a branch in its figures and on its page.
+//! What is laid over a branch, or what points of a test are laid over, in figures and on the page.
 
 use std::path::Path;
 
 use nlmodes::modal::ModalBranch;
 use nlmodes::report::{DataTable, ReportError};
+use serde_json::{Value, json};
 
-use crate::curve::{Curve, stops};
-use crate::overlay::{
+use super::{
     Difference, Laid, StopChange, at_equal_frequency, changes, differences, lines, sentence,
     sentence_at_equal_frequency, stops_table, table, write, write_stops,
 };
+use crate::curve::{Curve, stops};
 
 /// Other results and their differences from the first branch.
 pub struct Overlaid {
@@ -53,6 +54,33 @@ impl Overlaid {
         };
         let laid = |curve: &&dyn Curve| Laid { branch: curve.branch().clone(), is_scattered: false };
         Self::new(&others.iter().map(laid).collect::<Vec<_>>(), *first)
+    }
+
+    /// The points of records or of a test against each of the branches beside them.
+    pub fn of_test(test: Option<&ModalBranch>, beside: &[Laid]) -> Self {
+        let one = |(test, other): (&ModalBranch, &Laid)| {
+            let label = format!("test over {}", other.branch.label.trim_start_matches("computed: "));
+            let laid = Laid { branch: ModalBranch { label, ..test.clone() }, is_scattered: true };
+            let at_size = differences(&laid, &other.branch);
+            // The name of the points says already what they lie over.
+            let sentence = sentence(&laid, &at_size, &ModalBranch { label: String::new(), ..other.branch.clone() });
+            Compared { laid, at_size, at_frequency: Vec::new(), changes: Vec::new(), sentence }
+        };
+        let pairs = test.into_iter().flat_map(|test| beside.iter().map(move |other| (test, other)));
+        Self { compared: pairs.map(one).collect(), first: String::new(), stops: Vec::new() }
+    }
+
+    /// Number of points and largest difference in Hz, for each of them.
+    pub fn in_numbers(&self) -> Value {
+        let off = |d: &Difference| (d.frequency - d.own_frequency).abs();
+        let one = |one: &Compared| {
+            json!({
+                "label": one.laid.branch.label,
+                "points": one.at_size.len(),
+                "largest_difference_hz": one.at_size.iter().map(off).reduce(f64::max),
+            })
+        };
+        self.compared.iter().map(one).collect()
     }
 
     /// Writes the differences as `NAME.csv`, and those of each stop as `NAME_stops.csv`, where there is anything laid
