@@ -21,8 +21,11 @@ const BEGINNING: &str = "computing linear modes";
 #[derive(Clone, Default)]
 pub struct Watch(Option<Arc<Watching>>);
 
+/// Who is told what is done, and after how many evaluations.
+type Ask = dyn Fn(&str, usize) -> ControlFlow<()> + Send + Sync;
+
 struct Watching {
-    ask: Box<dyn Fn(&str, usize) -> ControlFlow<()> + Send + Sync>,
+    ask: Box<Ask>,
     doing: Mutex<Cow<'static, str>>,
     evaluations: AtomicUsize,
     ended: AtomicBool,
