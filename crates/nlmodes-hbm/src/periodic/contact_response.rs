@@ -5,7 +5,7 @@ use num_complex::Complex64;
 use super::block::{HarmonicBlock, LinearResponse, ModalMotion, dynamic_stiffness};
 use super::directions::Directions;
 use super::load::Load;
-use super::mode_sums::ModeSums;
+use super::mode_sums::{ModeSums, Sums};
 use super::operating_point::OperatingPoint;
 use super::structure::ModalStructure;
 
@@ -245,6 +245,9 @@ impl ContactResponse {
     fn evaluate_even(&self, n: usize, at: OperatingPoint, modes: &mut ModeSums, block: &mut HarmonicBlock) {
         let (c, nu) = (self.size(), n as f64 * at.omega);
         let apart = modes.set(nu * nu, &block.force);
+        if let (1, Some(apart)) = (c, apart) {
+            return self.evaluate_scalars(n, at, apart, &modes.sums, block);
+        }
         let (sums, slope) = (&modes.sums, -2.0 * n as f64 * nu);
         block.g.iter_mut().zip(&sums.g).for_each(|(to, g)| to.re = *g);
         for (i, row) in sums.g.chunks_exact(c).enumerate() {
@@ -260,6 +263,38 @@ impl ContactResponse {
             block.residual[0] = -block.residual[0];
             block.d_residual[0][0] = -block.d_residual[0][0];
         }
+    }
+
+    /// The same for one coordinate in a fraction of the instructions: `ρ r = D (x − G λ) − y² λ`.
+    fn evaluate_scalars(
+        &self,
+        n: usize,
+        at: OperatingPoint,
+        (mode, below): (usize, usize),
+        sums: &Sums,
+        block: &mut HarmonicBlock,
+    ) {
+        let (n, nu, sign) = (n as f64, n as f64 * at.omega, if below % 2 == 1 { -1.0 } else { 1.0 });
+        let (x, force, y, s2) = (block.x[0].re, block.force[0].re, self.rows[mode], self.coupling[mode].powi(2));
+        let (g, t, [e, s], slope) = (sums.g[0], sums.t[0], sums.energy, -2.0 * n * nu);
+        let d = self.structure.omega_squared()[mode] - nu * nu;
+        let rho2 = d * d + s2;
+        let factor = sign / rho2.sqrt();
+        let (v, w, dv) = (x - g * force, y * force, slope * t);
+        let (defect, by_d) = (d * v - y * w, d * slope / rho2);
+        block.residual[0].re = defect * factor;
+        block.d_residual[0][0].re = (slope * v + d * dv - defect * by_d) * factor;
+        block.l[0].re = d * factor;
+        block.g[0].re = (d * g + y * y) * factor;
+        block.pole = Some((mode, rho2));
+        let share = s2 / (y * rho2);
+        let eta = d * w / rho2 + share * v;
+        let d_eta = slope * w / rho2 + share * dv - 2.0 * eta * by_d;
+        let (kinetic, half) = (&mut block.kinetic, 0.5 * nu * nu);
+        kinetic.value = 0.5 * half * (e + eta * eta);
+        kinetic.by[0] = 0.5 * n * nu * (e + eta * eta) + half * (eta * d_eta - slope * s);
+        kinetic.by_x[0].re = half * eta * share;
+        kinetic.by_force[0].re = half * (t + eta * (d * y / rho2 - share * g));
     }
 
     /// Residual, matrices and energy, where the block has `v`, its derivatives, `G` and the sums of the energy of all

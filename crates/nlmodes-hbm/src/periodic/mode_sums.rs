@@ -126,27 +126,26 @@ const LANES: usize = 4;
 
 /// `Σ y²/D`, `Σ y²/D²`, `Σ y²/D³`.
 fn powers(squares: &[f64], y2: &[f64], nu2: f64) -> [f64; 3] {
-    let mut sums = [[0.0; LANES]; 3];
-    let (chunks, rest) = squares.as_chunks::<LANES>();
-    let (y2_chunks, y2_rest) = y2.as_chunks::<LANES>();
+    let (mut first, mut second, mut third) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+    let ((chunks, rest), (y2_chunks, y2_rest)) = (squares.as_chunks::<LANES>(), y2.as_chunks::<LANES>());
     for (square, y2) in chunks.iter().zip(y2_chunks) {
         for l in 0..LANES {
             let inverse = 1.0 / (square[l] - nu2);
-            let first = y2[l] * inverse;
-            let second = first * inverse;
-            sums[0][l] += first;
-            sums[1][l] += second;
-            sums[2][l] += second * inverse;
+            let share = y2[l] * inverse;
+            let slope = share * inverse;
+            first[l] += share;
+            second[l] += slope;
+            third[l] += slope * inverse;
         }
     }
     for (square, y2) in rest.iter().zip(y2_rest) {
         let inverse = 1.0 / (square - nu2);
-        let second = y2 * inverse * inverse;
-        sums[0][0] += y2 * inverse;
-        sums[1][0] += second;
-        sums[2][0] += second * inverse;
+        let slope = y2 * inverse * inverse;
+        first[0] += y2 * inverse;
+        second[0] += slope;
+        third[0] += slope * inverse;
     }
-    sums.map(|s| (s[0] + s[1]) + (s[2] + s[3]))
+    [first, second, third].map(|s| (s[0] + s[1]) + (s[2] + s[3]))
 }
 
 fn product(a: &[f64], b: &[f64]) -> f64 {

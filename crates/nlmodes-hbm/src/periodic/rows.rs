@@ -100,8 +100,9 @@ impl Assembly {
     pub fn write(&self, jacobian: &mut Mat<f64>) {
         let size = self.size();
         for j in 0..size {
-            let column = jacobian.col_mut(j);
-            column.iter_mut().zip(self.rows[j..].iter().step_by(size)).for_each(|(to, from)| *to = *from);
+            let column = jacobian.col_mut(j).try_as_col_major_mut().expect("columns of a Mat are contiguous");
+            let from = self.rows[j..].iter().step_by(size);
+            column.as_slice_mut().iter_mut().zip(from).for_each(|(to, from)| *to = *from);
         }
     }
 }

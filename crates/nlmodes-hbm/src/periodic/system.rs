@@ -320,8 +320,9 @@ impl ParametricSystem for PeriodicSystem {
     fn linearize(&mut self, x: &[f64], p: f64, out: &mut Linearization) -> Result<(), HbmError> {
         let at = self.solve(x, p)?;
         self.differentiate_forces();
-        (0..out.jacobian.ncols()).for_each(|j| out.jacobian.col_mut(j).fill(0.0));
         let (size, dim, unit) = (self.n_coefficients(), self.dim(), self.unit());
+        // The columns behind those of the coefficients, of which not every entry is written below.
+        (size..=dim).for_each(|j| out.jacobian.col_mut(j).fill(0.0));
         let column = |column: Column| match column {
             Column::Unknown(index) => size + index,
             Column::Parameter => dim,
