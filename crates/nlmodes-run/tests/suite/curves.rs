@@ -31,13 +31,15 @@ fn branch() -> Points {
 
 fn response(more: &str) -> Points {
     let place = tempfile::tempdir().unwrap();
-    let text = format!("{ROD}{more}");
+    let text = format!("{ROD}{more}").replace("figures = false", "figures = true\nmatlab = true");
     let mut file = nlmodes_scene::parse("rod.toml", &text, &[]).unwrap_or_else(|error| panic!("{}", error.text(false)));
     file.scene.output_directory = place.path().join("out");
     let outcome = responses::run(&file, Over::Same, &mut Silent).unwrap();
     let only = &outcome.curves[0];
     assert!(only.said().is_ok(), "{:?}", only.said());
-    for name in ["contacts.csv", "harmonics.npz", "participation.csv"] {
+    let written = ["contacts.csv", "harmonics.npz", "participation.csv", "histories.npz", "results.mat"];
+    let drawn = ["contacts.svg", "participation.svg", "motion_1.svg", "motion_4.svg", "history_P1.svg"];
+    for name in written.into_iter().chain(drawn) {
         assert!(place.path().join("out").join(name).is_file(), "{name}");
     }
     pairs(&only.branch.points, &only.participation)
