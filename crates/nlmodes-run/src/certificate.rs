@@ -7,7 +7,7 @@
 mod contacts;
 mod energy;
 mod exact;
-mod finer;
+pub(crate) mod finer;
 pub(crate) mod mesh;
 mod numbers;
 mod points;

@@ -3,6 +3,7 @@
 use nlmodes::branches::{BranchError, ComputedBranch, Watch};
 use nlmodes::hbm::CondensedStructure;
 use nlmodes::modal::ModalPoint;
+use nlmodes_reduction::OpenModes;
 
 use super::{BROKEN_OFF, CERTIFY, Check, Looking, Number, Place, Sources, Worst, listed, named};
 
@@ -67,25 +68,35 @@ fn not_asked(number: Number) -> Check {
     Check::missing(HARMONICS, Some(number), number.limit(), "more harmonics were not tried", CERTIFY)
 }
 
+/// What modes left out do to the linear frequency of a mode with a contact closed.
+pub(crate) fn open_modes(open: &OpenModes, mode: usize, contact: usize) -> Check {
+    let limit = Number::Frequency.limit();
+    let found = |error: f64, words: String| Check::found(MODES, Some(Number::Frequency), error, limit, words);
+    if open.has_all_modes() {
+        return found(0.0, format!("open modes: all {} are kept", open.n_modes()));
+    }
+    let mut closed = vec![false; open.n_contacts()];
+    if let Some(closed) = closed.get_mut(contact) {
+        *closed = true;
+    }
+    let error = mode.checked_sub(1).and_then(|mode| open.truncation_error(&closed, mode).ok());
+    match error.filter(|error| error.is_finite()) {
+        Some(error) => {
+            let words = "open modes: estimate from half as many, linear frequency with the first contact closed";
+            found(error, words.to_owned())
+        }
+        None => {
+            let why = "open modes: half as many do not reach the mode that is computed";
+            Check::missing(MODES, Some(Number::Frequency), limit, why, "reduction.modes twice as large")
+        }
+    }
+}
+
 /// What twice as many held modes change.
 pub fn modes(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>, look: Looking<'_>) -> Vec<Check> {
     let limit = Number::Frequency.limit();
     if let Some(open) = sources.open {
-        if open.modes.has_all_modes() {
-            let words = format!("open modes: all {} are kept", open.modes.n_modes());
-            return vec![Check::found(MODES, Some(Number::Frequency), 0.0, limit, words)];
-        }
-        let found = open.truncation_error(sources.scene.method.mode, computed.grazing.contact);
-        return vec![match found {
-            Some(error) => {
-                let words = "open modes: estimate from half as many, linear frequency with the first contact closed";
-                Check::found(MODES, Some(Number::Frequency), error, limit, words)
-            }
-            None => {
-                let why = "open modes: half as many do not reach the mode that is computed";
-                Check::missing(MODES, Some(Number::Frequency), limit, why, "reduction.modes twice as large")
-            }
-        }];
+        return vec![open_modes(&open.modes, sources.scene.method.mode, computed.grazing.contact)];
     }
     let structure = &computed.structure;
     let (kept, all) = (structure.n_held_modes(), structure.model().linear_dofs().len());

@@ -9,8 +9,8 @@ use super::curves::ComputedResponse;
 use super::model::Model;
 use super::summary::imbalance;
 use super::tables::points;
-use crate::certificate::mesh::contact_mass;
-use crate::certificate::{Certificate, Check, Number, Place, residual};
+use crate::certificate::finer::open_modes;
+use crate::certificate::{Certificate, Check, Number, Place, mesh, residual};
 
 /// Input and dissipated power agree in the equations themselves; what is left comes from where contacts open and close.
 const POWER: f64 = 1e-6;
@@ -34,8 +34,8 @@ pub fn certificate(scene: &Scene, model: &Model, curves: &[ComputedResponse]) ->
         Check::missing("harmonics", Some(n), n.limit(), why, LARGER)
     };
     checks.extend(Number::ALL.map(harmonics));
-    checks.push(contact_mass(model.shift, model.reduction.is_some()));
-    checks.push(modes(scene, model));
+    checks.push(open_modes(model.open_modes(), scene.method.mode, 0));
+    checks.extend([mesh::frequency(scene), mesh::contact_mass(model.shift, model.reduction.is_some())]);
     if let Some(share) = model.beyond_modes {
         let words =
             "what dashpots move beyond the modes that are taken, of what they hold at the frequency of the mode";
@@ -47,26 +47,4 @@ pub fn certificate(scene: &Scene, model: &Model, curves: &[ComputedResponse]) ->
         energy_j: None,
     };
     Certificate::new(&points(curves).enumerate().map(place).collect::<Vec<_>>(), checks)
-}
-
-/// What modes left out do to the linear frequency with the first contact closed.
-fn modes(scene: &Scene, model: &Model) -> Check {
-    let (of, limit) = (Some(Number::Frequency), Number::Frequency.limit());
-    let open = model.open_modes();
-    if open.has_all_modes() {
-        return Check::found("modes", of, 0.0, limit, format!("all {} modes are kept", open.n_modes()));
-    }
-    let mut closed = vec![false; open.n_contacts()];
-    closed.iter_mut().take(1).for_each(|first| *first = true);
-    let found = scene.method.mode.checked_sub(1).and_then(|mode| open.truncation_error(&closed, mode).ok());
-    match found.filter(|error| error.is_finite()) {
-        Some(error) => {
-            let words = "open modes: estimate from half as many, linear frequency with the first contact closed";
-            Check::found("modes", of, error, limit, words)
-        }
-        None => {
-            let why = "open modes: half as many do not reach the mode of the scene";
-            Check::missing("modes", of, limit, why, "reduction.modes twice as large")
-        }
-    }
 }

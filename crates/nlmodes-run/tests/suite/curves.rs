@@ -37,6 +37,7 @@ fn response(more: &str) -> Points {
     let outcome = responses::run(&file, Over::Same, &mut Silent).unwrap();
     let only = &outcome.curves[0];
     assert!(only.said().is_ok(), "{:?}", only.said());
+    assert!(outcome.certificate.checks.iter().any(|check| check.name == "mesh" && check.value.is_some()));
     let written = ["contacts.csv", "harmonics.npz", "participation.csv", "histories.npz", "results.mat"];
     let drawn = ["contacts.svg", "participation.svg", "motion_1.svg", "motion_4.svg", "history_P1.svg"];
     for name in written.into_iter().chain(drawn) {
