@@ -87,6 +87,15 @@ impl HarmonicBlock {
     }
 }
 
+/// What an evaluation of a block is for.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Asked {
+    /// The kinetic energy.
+    pub energy: bool,
+    /// Derivatives with respect to ω, ξ and the level; those that are not asked for are zero.
+    pub by: [bool; 3],
+}
+
 /// A linear structure in coordinates of its choice.
 pub(crate) trait LinearResponse {
     /// Number of coordinates d.
@@ -101,9 +110,8 @@ pub(crate) trait LinearResponse {
     /// Unit of the coordinates for lengths near `length`.
     fn scale(&self, length: f64) -> f64;
 
-    /// Writes the block of harmonic `n` for the coordinates and forces in it, with the kinetic energy if that is asked
-    /// for.
-    fn evaluate(&mut self, n: usize, at: OperatingPoint, load: &Load, energy: bool, block: &mut HarmonicBlock);
+    /// Writes the block of harmonic `n` for the coordinates and forces in it.
+    fn evaluate(&mut self, n: usize, at: OperatingPoint, load: &Load, asked: Asked, block: &mut HarmonicBlock);
 
     /// Modal coordinates of an evaluated block.
     fn modal_motion(&self, n: usize, at: OperatingPoint, load: &Load, block: &HarmonicBlock) -> ModalMotion;

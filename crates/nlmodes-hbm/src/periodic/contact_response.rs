@@ -2,9 +2,9 @@ use std::sync::Arc;
 
 use num_complex::Complex64;
 
-use super::block::{HarmonicBlock, LinearResponse, ModalMotion, dynamic_stiffness};
+use super::block::{Asked, HarmonicBlock, LinearResponse, ModalMotion, dynamic_stiffness};
 use super::directions::Directions;
-use super::load::Load;
+use super::load::{Load, Varied};
 use super::mode_sums::{ModeSums, Sums};
 use super::operating_point::OperatingPoint;
 use super::structure::ModalStructure;
@@ -77,25 +77,44 @@ impl ContactResponse {
 
     /// The most resonant mode.
     fn pole(&self, n: usize, at: OperatingPoint) -> Option<usize> {
-        let resonance = |k: usize| self.coupling[k] / dynamic_stiffness(&self.structure, n, k, at).0.norm();
+        let resonance = |k: usize| self.coupling[k].powi(2) / dynamic_stiffness(&self.structure, n, k, at).0.norm_sqr();
         let resonances = self.moving.iter().map(|&k| (k, resonance(k)));
         resonances.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k)
     }
 
     /// The answer of mode `k` to the contact forces and the load.
-    fn answer(&self, k: usize, n: usize, at: OperatingPoint, load: &Load, force: &[Complex64]) -> Answer {
-        let (p, (d, dd)) = (load.modal(n, k, at), dynamic_stiffness(&self.structure, n, k, at));
-        let (eta, inverse) = ((along(self.row(k), force) + p.value) / d, d.inv());
-        let d_eta = [(p.by[0] - eta * dd[0]) * inverse, (p.by[1] - eta * dd[1]) * inverse, p.by[2] * inverse];
-        Answer { mode: k, eta, d_eta, inverse }
+    fn answer(&self, k: usize, n: usize, at: OperatingPoint, drive: &Drive) -> Answer {
+        let (p, (d, dd)) = (drive.of(k, n, at), dynamic_stiffness(&self.structure, n, k, at));
+        let (eta, inverse) = ((along(self.row(k), drive.force) + p.value) / d, d.inv());
+        let change = |t: usize| match dd.get(t) {
+            _ if !drive.by[t] => Complex64::default(),
+            Some(dd) => (p.by[t] - eta * dd) * inverse,
+            None => p.by[t] * inverse,
+        };
+        Answer { mode: k, eta, d_eta: [change(0), change(1), change(2)], inverse }
     }
 
     /// Takes what a mode does off `v` and its derivatives.
-    fn take(&self, answer: &Answer, v: &mut [Complex64], dv: &mut [Vec<Complex64>; 3]) {
+    fn take(&self, answer: &Answer, by: [bool; 3], v: &mut [Complex64], dv: &mut [Vec<Complex64>; 3]) {
         for (i, y) in self.row(answer.mode).iter().enumerate() {
             v[i] -= answer.eta * y;
-            (0..3).for_each(|t| dv[t][i] -= answer.d_eta[t] * y);
+            (0..3).filter(|t| by[*t]).for_each(|t| dv[t][i] -= answer.d_eta[t] * y);
         }
+    }
+}
+
+/// What drives the modes in one harmonic.
+struct Drive<'a> {
+    force: &'a [Complex64],
+    /// The load, if it has this harmonic.
+    load: Option<&'a Load>,
+    /// The derivatives that are asked for.
+    by: [bool; 3],
+}
+
+impl Drive<'_> {
+    fn of(&self, k: usize, n: usize, at: OperatingPoint) -> Varied {
+        self.load.map_or_else(Varied::default, |load| load.modal(n, k, at))
     }
 }
 
@@ -122,14 +141,14 @@ impl LinearResponse for ContactResponse {
         length
     }
 
-    fn evaluate(&mut self, n: usize, at: OperatingPoint, load: &Load, energy: bool, block: &mut HarmonicBlock) {
+    fn evaluate(&mut self, n: usize, at: OperatingPoint, load: &Load, asked: Asked, block: &mut HarmonicBlock) {
         block.reset();
         match self.even.take() {
             Some(mut modes) => {
                 self.evaluate_even(n, at, &mut modes, block);
                 self.even = Some(modes);
             }
-            None => self.evaluate_any(n, at, load, energy, block),
+            None => self.evaluate_any(n, at, load, asked, block),
         }
     }
 
@@ -137,15 +156,16 @@ impl LinearResponse for ContactResponse {
         let (mut motion, mut v) = (ModalMotion::at_rest(self.structure.n_modes()), block.x.clone());
         let mut dv = [0, 1, 2].map(|_| vec![Complex64::default(); v.len()]);
         let pole = block.pole.map(|(p, _)| p);
-        let drives = load.has_harmonic(n);
-        let answering = (0..motion.eta.len()).filter(|&k| Some(k) != pole && (drives || self.squares[k] > 0.0));
-        for answer in answering.map(|k| self.answer(k, n, at, load, &block.force)) {
-            motion.eta[answer.mode] = answer.eta;
-            (0..3).for_each(|t| motion.d_eta[t][answer.mode] = answer.d_eta[t]);
-            self.take(&answer, &mut v, &mut dv);
+        let drive = Drive { force: &block.force, load: load.has_harmonic(n).then_some(load), by: [true; 3] };
+        let drives = |k: usize| drive.load.is_some() || self.squares[k] > 0.0;
+        for k in (0..motion.eta.len()).filter(|&k| Some(k) != pole && drives(k)) {
+            let answer = self.answer(k, n, at, &drive);
+            motion.eta[k] = answer.eta;
+            (0..3).for_each(|t| motion.d_eta[t][k] = answer.d_eta[t]);
+            self.take(&answer, drive.by, &mut v, &mut dv);
         }
         if let Some((p, _)) = block.pole {
-            let (eta, d_eta) = self.resonant(&self.apart(p, n, at, load, &block.force), &v, &dv);
+            let (eta, d_eta) = self.resonant(&self.apart(p, n, at, &drive), &v, &dv);
             motion.eta[p] = eta;
             (0..3).for_each(|t| motion.d_eta[t][p] = d_eta[t]);
         }
@@ -190,16 +210,16 @@ struct Apart {
     /// `w_p` with its derivatives.
     w: Complex64,
     dw: [Complex64; 3],
-    /// Number of these scalars that matter.
-    scalars: usize,
+    /// The derivatives that are asked for.
+    by: [bool; 3],
 }
 
 impl ContactResponse {
-    fn apart(&self, mode: usize, n: usize, at: OperatingPoint, load: &Load, force: &[Complex64]) -> Apart {
-        let ((d, dd), load) = (dynamic_stiffness(&self.structure, n, mode, at), load.modal(n, mode, at));
+    fn apart(&self, mode: usize, n: usize, at: OperatingPoint, drive: &Drive) -> Apart {
+        let ((d, dd), load) = (dynamic_stiffness(&self.structure, n, mode, at), drive.of(mode, n, at));
         let s2 = self.coupling[mode].powi(2);
-        let w = along(self.row(mode), force) + load.value;
-        Apart { mode, d, dd, s2, rho2: d.norm_sqr() + s2, w, dw: load.by, scalars: 3 }
+        let w = along(self.row(mode), drive.force) + load.value;
+        Apart { mode, d, dd, s2, rho2: d.norm_sqr() + s2, w, dw: load.by, by: drive.by }
     }
 
     /// Modal coordinate of the mode apart, from `v` and its derivatives.
@@ -208,7 +228,7 @@ impl ContactResponse {
         let &Apart { d, s2, rho2, w, .. } = apart;
         let eta = (d.conj() * w + along(row, v) / square * s2) / rho2;
         let mut d_eta = [Complex64::default(); 3];
-        for (t, change) in d_eta.iter_mut().enumerate().take(apart.scalars) {
+        for (t, change) in d_eta.iter_mut().enumerate().filter(|(t, _)| apart.by[*t]) {
             let dd = apart.dd.get(t).copied().unwrap_or_default();
             let sum = dd.conj() * w + d.conj() * apart.dw[t] + along(row, &dv[t]) / square * s2;
             *change = sum / rho2 - eta * (2.0 * (d.conj() * dd).re / rho2);
@@ -217,28 +237,30 @@ impl ContactResponse {
     }
 
     /// Motions of any phase, with damping and load.
-    fn evaluate_any(&self, n: usize, at: OperatingPoint, load: &Load, energy: bool, block: &mut HarmonicBlock) {
+    fn evaluate_any(&self, n: usize, at: OperatingPoint, load: &Load, asked: Asked, block: &mut HarmonicBlock) {
         let (c, pole) = (self.size(), self.pole(n, at));
-        block.residual.copy_from_slice(&block.x);
+        let HarmonicBlock { x, force, g, residual, d_residual, kinetic, .. } = &mut *block;
+        residual.copy_from_slice(x);
+        let drive = Drive { force, load: load.has_harmonic(n).then_some(load), by: asked.by };
         // Modes that move no contact answer to a load alone, which only their energy tells.
-        let all = energy && load.has_harmonic(n);
-        let answering = (0..self.coupling.len()).filter(|&k| Some(k) != pole && (all || self.squares[k] > 0.0));
-        for answer in answering.map(|k| self.answer(k, n, at, load, &block.force)) {
-            self.take(&answer, &mut block.residual, &mut block.d_residual);
-            let row = self.row(answer.mode);
-            for (to, y) in block.g.chunks_exact_mut(c).zip(row) {
+        let all = asked.energy && drive.load.is_some();
+        for k in (0..self.coupling.len()).filter(|&k| Some(k) != pole && (all || self.squares[k] > 0.0)) {
+            let answer = self.answer(k, n, at, &drive);
+            self.take(&answer, drive.by, residual, d_residual);
+            let row = self.row(k);
+            for (to, y) in g.chunks_exact_mut(c).zip(row) {
                 let scaled = answer.inverse * y;
                 to.iter_mut().zip(row).for_each(|(to, y)| *to += scaled * y);
             }
-            if energy {
-                let mass = self.structure.inertia()[answer.mode];
-                block.kinetic.add(mass, answer.eta, answer.d_eta);
+            if asked.energy {
+                let mass = self.structure.inertia()[k];
+                kinetic.add(mass, answer.eta, answer.d_eta);
                 let weight = answer.eta.conj() * answer.inverse * mass;
-                block.kinetic.by_force.iter_mut().zip(row).for_each(|(to, y)| *to += weight * y);
+                kinetic.by_force.iter_mut().zip(row).for_each(|(to, y)| *to += weight * y);
             }
         }
-        let apart = pole.map(|mode| self.apart(mode, n, at, load, &block.force));
-        self.finish(apart, n, at, energy, block);
+        let apart = pole.map(|mode| self.apart(mode, n, at, &drive));
+        self.finish(apart, n, at, asked.energy, block);
     }
 
     /// Motions that are even in time, without damping and load.
@@ -256,8 +278,9 @@ impl ContactResponse {
             block.kinetic.by_force[i].re = sums.t[i];
         }
         (block.kinetic.value, block.kinetic.by[0]) = (sums.energy[0], -slope * sums.energy[1]);
-        let of_mode = |mode| Apart { scalars: 1, ..self.apart(mode, n, at, &Load::default(), &block.force) };
-        self.finish(apart.map(|(mode, _)| of_mode(mode)), n, at, true, block);
+        let drive = Drive { force: &block.force, load: None, by: [true, false, false] };
+        let of_mode = apart.map(|(mode, _)| self.apart(mode, n, at, &drive));
+        self.finish(of_mode, n, at, true, block);
         if apart.is_some_and(|(_, below)| below % 2 == 1) {
             block.l[..c].iter_mut().chain(&mut block.g[..c]).for_each(|v| *v = -*v);
             block.residual[0] = -block.residual[0];
@@ -329,7 +352,7 @@ impl ContactResponse {
     }
 
     /// The equations with one mode apart, from `v`, its derivatives and `G` of the others in the block.
-    fn take_apart(&self, &Apart { mode, d, dd, rho2, w, dw, scalars, .. }: &Apart, block: &mut HarmonicBlock) {
+    fn take_apart(&self, &Apart { mode, d, dd, rho2, w, dw, by, .. }: &Apart, block: &mut HarmonicBlock) {
         let (c, row, square, turn) = (self.size(), self.row(mode), self.squares[mode], &self.turns[mode]);
         let rho = rho2.sqrt();
         let factor = turn.length / rho;
@@ -338,7 +361,7 @@ impl ContactResponse {
         let defect = d * alpha - w;
         turn.apply(&mut block.residual);
         block.residual[0] = defect * factor;
-        for (t, dv) in block.d_residual.iter_mut().enumerate().take(scalars) {
+        for (t, dv) in block.d_residual.iter_mut().enumerate().filter(|(t, _)| by[*t]) {
             let (of_d, of_rho) = match dd.get(t) {
                 Some(dd) => (dd * alpha, (d.conj() * dd).re / rho),
                 None => (Complex64::default(), 0.0),

@@ -62,6 +62,7 @@ impl Load {
         self.terms.iter().map(|t| t.harmonic).max().unwrap_or(0)
     }
 
+    /// Whether anything drives harmonic n.
     pub(crate) fn has_harmonic(&self, n: usize) -> bool {
         self.terms.iter().any(|t| t.harmonic == n)
     }

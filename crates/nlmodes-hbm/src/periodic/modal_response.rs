@@ -3,7 +3,7 @@ use std::sync::Arc;
 use nlmodes_linalg::max_norm;
 use num_complex::Complex64;
 
-use super::block::{HarmonicBlock, LinearResponse, ModalMotion, dynamic_stiffness};
+use super::block::{Asked, HarmonicBlock, LinearResponse, ModalMotion, dynamic_stiffness};
 use super::load::Load;
 use super::operating_point::OperatingPoint;
 use super::structure::ModalStructure;
@@ -55,7 +55,7 @@ impl LinearResponse for ModalResponse {
         length / self.largest_row.max(f64::MIN_POSITIVE)
     }
 
-    fn evaluate(&mut self, n: usize, at: OperatingPoint, load: &Load, energy: bool, block: &mut HarmonicBlock) {
+    fn evaluate(&mut self, n: usize, at: OperatingPoint, load: &Load, asked: Asked, block: &mut HarmonicBlock) {
         block.reset();
         let d = self.active.len();
         let damping = self.structure.damping();
@@ -83,7 +83,7 @@ impl LinearResponse for ModalResponse {
                 block.d_residual[t][row] = (by[t] - sum * (d_rho / rho)) / rho;
             }
         }
-        if energy {
+        if asked.energy {
             let (motion, inertia) = (self.modal_motion(n, at, load, block), self.structure.inertia());
             for (k, mass) in inertia.iter().enumerate() {
                 block.kinetic.add(*mass, motion.eta[k], [0, 1, 2].map(|t| motion.d_eta[t][k]));

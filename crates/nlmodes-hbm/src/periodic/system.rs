@@ -4,7 +4,7 @@ use nlmodes_contact::LcpSolver;
 use nlmodes_continuation::{Boundary, Linearization, ParametricSystem};
 
 use super::analyses::Coordinates;
-use super::block::{HarmonicBlock, LinearResponse, ModalMotion};
+use super::block::{Asked, HarmonicBlock, LinearResponse, ModalMotion};
 use super::closing_equations::{Functional, Motion};
 use super::load::Load;
 use super::operating_point::{Closing, Column, OperatingPoint};
@@ -177,14 +177,17 @@ impl PeriodicSystem {
         let generalised = self.generalised(&self.forces);
         let unit = self.unit();
         let coefficients: Vec<f64> = x[..self.n_coefficients()].iter().map(|x| x * unit).collect();
-        let energy = self.closing.equations.iter().any(|equation| equation.asks_for_energy());
+        let asked = Asked {
+            energy: self.closing.equations.iter().any(|equation| equation.asks_for_energy()),
+            by: self.closing.sources().map(|source| source.slope(p).is_some()),
+        };
         for n in 0..=series.n_harmonics {
             let block = &mut self.blocks[n];
             for (to, from) in [(&mut block.x, &coefficients), (&mut block.force, &generalised)] {
                 to.clear();
                 to.extend(harmonics_of(series, from, n));
             }
-            self.response.evaluate(n, at, &self.load, energy, block);
+            self.response.evaluate(n, at, &self.load, asked, block);
         }
         Ok(at)
     }
