@@ -96,68 +96,17 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
         return Err(no_contact(file).into());
     }
     links::refuse(&file.scene.output_directory)?;
-    let directory = file.scene.output_directory.clone();
     let claim = Claim::of_scenes(std::slice::from_ref(file), over, observer)?;
     let began = Instant::now();
     let file = updated(file.clone())?;
     let model = Model::new(&file)?;
     doubts::tell(&file.scene, model.reduction.as_ref(), observer);
     model.warnings.iter().for_each(|text| observer.event(Event::Warning(text)));
-    let unwritable = |source: ReportError, kept| RunError::Unwritable { directory: directory.clone(), source, kept };
-    let journal = Journal::begun(&file.scene, &claim, observer)?;
-    let computing = journal.computing.clone();
-    let journal = Rc::new(RefCell::new(journal));
-    let log = StepLog::new(journal.clone());
-    let mut curves: Vec<ComputedResponse> = Vec::new();
-    let mut compute = |job: Job<'_>, number: usize, of: usize, curves: &mut Vec<ComputedResponse>| {
-        let name = job.name(&file.scene, &model);
-        observer.event(Event::Curve { number, of, name: &name });
-        for (further, computed) in
-            follow(&model, &file.scene, job, (&name, &log), observer.watch()).into_iter().enumerate()
-        {
-            observer.event(Event::CurveDone {
-                name: &computed.branch.label,
-                is_further: further > 0,
-                outcome: computed.said(),
-                is_complete: computed.is_complete(),
-            });
-            curves.push(computed);
-        }
-        if let Some(failure) = journal.borrow_mut().failure.take() {
-            return Err(unwritable(failure, true));
-        }
-        claim.take_at_once()?;
-        // The table of an earlier run stands until this one has come as far.
-        if computing.get() {
-            tables::write_points(&directory, &file.scene, &model, curves).map_err(|source| unwritable(source, true))?;
-        }
-        Ok::<bool, RunError>(observer.is_cancelled())
-    };
-    let wanted = jobs(&file.scene);
-    let of = wanted.len();
-    let (mut is_cut_off, mut not_begun) = (false, 0);
-    for (number, job) in wanted.into_iter().enumerate() {
-        if compute(job, number + 1, of, &mut curves)? {
-            (is_cut_off, not_begun) = (true, of - number - 1);
-            break;
-        }
-    }
-    let mut found = if is_cut_off { Vec::new() } else { detached(&file.scene, &curves) };
-    let mut number = of;
-    while let Some(job) = found.pop().filter(|_| number < of + MOST_DETACHED) {
-        number += 1;
-        if compute(job, number, number + found.len(), &mut curves)? {
-            is_cut_off = true;
-            break;
-        }
-        found = detached(&file.scene, &curves);
-    }
-    if curves.iter().all(|computed| computed.motions.is_none()) && is_cut_off {
-        return Err(RunError::Ended);
-    }
-    if !computing.get() {
-        tables::write_points(&directory, &file.scene, &model, &curves).map_err(|source| unwritable(source, true))?;
-    }
+    let journal = Rc::new(RefCell::new(Journal::begun(&file.scene, &claim, observer)?));
+    let (scene, curves) = (&file.scene, Vec::new());
+    let mut following = Following { scene, model: &model, claim: &claim, journal, observer, curves };
+    let not_begun = following.all()?;
+    let Following { observer, curves, .. } = following;
     let certificate = certified::certificate(&file.scene, &model, &curves);
     let beside = |curve: &LaidCurve| (curve.clone(), overlaid::beside(curve, &curves));
     let compared: Vec<(LaidCurve, Vec<Beside>)> = laid.iter().map(beside).collect();
@@ -177,10 +126,92 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
         curves,
         certificate,
         wall_time: began.elapsed(),
-        is_cut_off,
-        not_begun,
+        is_cut_off: not_begun.is_some(),
+        not_begun: not_begun.unwrap_or(0),
         failure,
     })
+}
+
+/// Follows the curves of a scene, one after the other.
+struct Following<'a> {
+    scene: &'a Scene,
+    model: &'a Model,
+    claim: &'a Claim,
+    journal: Rc<RefCell<Journal>>,
+    observer: &'a mut dyn Observer,
+    curves: Vec<ComputedResponse>,
+}
+
+impl Following<'_> {
+    /// Follows all, detached ones behind the others; how many of the scene were not begun, where it was asked to end.
+    fn all(&mut self) -> Result<Option<usize>, RunError> {
+        let not_begun = self.until_asked_to_end()?;
+        if not_begun.is_some() && self.curves.iter().all(|computed| computed.motions.is_none()) {
+            return Err(RunError::Ended);
+        }
+        // The table of an earlier run stands until this one has come as far.
+        if !self.is_new() {
+            self.write_points()?;
+        }
+        Ok(not_begun)
+    }
+
+    fn until_asked_to_end(&mut self) -> Result<Option<usize>, RunError> {
+        let (scene, wanted) = (self.scene, jobs(self.scene));
+        let of = wanted.len();
+        for (number, job) in wanted.into_iter().enumerate() {
+            if self.follow(job, number + 1, of)? {
+                return Ok(Some(of - number - 1));
+            }
+        }
+        let (mut found, mut number) = (detached(scene, &self.curves), of);
+        while let Some(job) = found.pop().filter(|_| number < of + MOST_DETACHED) {
+            number += 1;
+            if self.follow(job, number, number + found.len())? {
+                return Ok(Some(0));
+            }
+            found = detached(scene, &self.curves);
+        }
+        Ok(None)
+    }
+
+    /// Follows a curve, with those that branch off, and writes the table; whether it is to end there.
+    fn follow(&mut self, job: Job<'_>, number: usize, of: usize) -> Result<bool, RunError> {
+        let (name, log) = (job.name(self.scene, self.model), StepLog::new(self.journal.clone()));
+        self.observer.event(Event::Curve { number, of, name: &name });
+        let found = follow(self.model, self.scene, job, (&name, &log), self.observer.watch());
+        for (further, computed) in found.iter().enumerate() {
+            self.observer.event(Event::CurveDone {
+                name: &computed.branch.label,
+                is_further: further > 0,
+                outcome: computed.said(),
+                is_complete: computed.is_complete(),
+            });
+        }
+        self.curves.extend(found);
+        if let Some(failure) = self.journal.borrow_mut().failure.take() {
+            return Err(self.unwritable(failure));
+        }
+        self.claim.take_at_once()?;
+        if self.is_new() {
+            self.write_points()?;
+        }
+        Ok(self.observer.is_cancelled())
+    }
+
+    /// Whether points are new, not repeated from an earlier run.
+    fn is_new(&self) -> bool {
+        self.journal.borrow().computing.get()
+    }
+
+    fn write_points(&self) -> Result<(), RunError> {
+        let directory = &self.scene.output_directory;
+        tables::write_points(directory, self.scene, self.model, &self.curves).map_err(|source| self.unwritable(source))
+    }
+
+    fn unwritable(&self, source: ReportError) -> RunError {
+        RunError::Unwritable { directory: self.scene.output_directory.clone(), source, kept: true }
+    }
 }
 
 /// A period of the first curve, where figures or a page show it.

@@ -17,7 +17,8 @@ pub const MATLAB_VARIABLES: [Column; 4] = [
     Column::new(
         "branch",
         "",
-        "structure with the columns of `branch.csv`; `event`, `resonance` and other texts are cell arrays, what is unknown is NaN",
+        "structure with the columns of `branch.csv`; `event`, `resonance` and other texts are cell arrays, what is \
+         unknown is NaN",
     ),
     Column::new(
         "contacts",

@@ -13,7 +13,7 @@ use super::About;
 use super::sink::branch_directory;
 use crate::Failure;
 use crate::certificate::Certificate;
-use crate::curve::summary::{At, ContactAt, End, Reduction, Resonance, largest_residual};
+use crate::curve::summary::{At, ContactAt, End, Reduction, Resonance, Stability, largest_residual};
 use crate::linear::{LinearFrequencies, modal_model};
 use nlmodes_scene::scene::{MethodKind, Scene};
 
@@ -136,41 +136,6 @@ struct EventAt {
     energy_over_grazing: f64,
 }
 
-/// Floquet multipliers of the points of the branch.
-#[derive(Serialize)]
-struct Stability {
-    stable_points: usize,
-    unstable_points: usize,
-    unknown_points: usize,
-    /// Distance from the unit circle up to which a multiplier counts as lying on it.
-    tolerance: f64,
-    largest_multiplier: Option<f64>,
-    /// First and last point of each stretch without stability.
-    unstable: Vec<[usize; 2]>,
-}
-
-impl Stability {
-    fn new(computed: &ComputedBranch) -> Self {
-        let [stable_points, unstable_points, unknown_points] = computed.stability_counts();
-        let points = &computed.branch.points;
-        let mut unstable: Vec<[usize; 2]> = Vec::new();
-        for (i, _) in points.iter().enumerate().filter(|(_, p)| p.stability.is_some_and(|s| s.is_unstable())) {
-            match unstable.last_mut().filter(|stretch| stretch[1] + 1 == i) {
-                Some(stretch) => stretch[1] = i,
-                None => unstable.push([i, i]),
-            }
-        }
-        Self {
-            stable_points,
-            unstable_points,
-            unknown_points,
-            tolerance: UNIT_CIRCLE,
-            largest_multiplier: points.iter().filter_map(|p| Some(p.stability?.magnitude())).reduce(f64::max),
-            unstable,
-        }
-    }
-}
-
 /// A branch that leaves another one at a branch point.
 #[derive(Serialize)]
 struct OtherBranch<'a> {
@@ -245,7 +210,7 @@ pub fn write(
         motion: about.period.and_then(|period| At::of(points, 0, period.point)),
         events: events.collect(),
         internal_resonances: Resonance::all(&computed.branch.points, 0),
-        stability: Stability::new(computed),
+        stability: Stability::new(points, 0, Some(UNIT_CIRCLE)),
         end: End::from(&computed.branch.end),
         largest_residual: largest_residual(&computed.branch.points),
         certificate: certificates.first(),

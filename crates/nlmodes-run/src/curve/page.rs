@@ -56,8 +56,9 @@ pub struct Content<'a> {
     pub period: Option<&'a Period>,
 }
 
-/// Writes the page about these curves, or about points that are only laid over each other, with what `further` adds; its points with a name are those of the pictures of the
-/// first curve, and the references, whose time histories it shows.
+/// Writes the page about these curves, or about points that are only laid over each other, with what `further` adds;
+/// its points with a name are those of the pictures of the first curve, and the references, whose time histories it
+/// shows.
 pub fn write(
     directory: &Path,
     curves: &[&dyn Curve],

@@ -78,6 +78,43 @@ impl Resonance {
     }
 }
 
+/// Floquet multipliers of the points of a curve.
+#[derive(Serialize)]
+pub struct Stability {
+    stable_points: usize,
+    unstable_points: usize,
+    unknown_points: usize,
+    /// Distance from the unit circle up to which a multiplier counts as lying on it, where it is the same everywhere.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tolerance: Option<f64>,
+    largest_multiplier: Option<f64>,
+    /// First and last point of each stretch without stability.
+    unstable: Vec<[usize; 2]>,
+}
+
+impl Stability {
+    /// Of a curve whose first point has the number `first` in the table.
+    pub fn new(points: &[ModalPoint], first: usize, tolerance: Option<f64>) -> Self {
+        let count = |wanted| points.iter().filter(|p| p.stability.and_then(|s| s.stable) == wanted).count();
+        let [stable_points, unstable_points, unknown_points] = [Some(true), Some(false), None].map(count);
+        let mut unstable: Vec<[usize; 2]> = Vec::new();
+        for (i, _) in (first..).zip(points).filter(|(_, p)| p.stability.is_some_and(|s| s.is_unstable())) {
+            match unstable.last_mut().filter(|stretch| stretch[1] + 1 == i) {
+                Some(stretch) => stretch[1] = i,
+                None => unstable.push([i, i]),
+            }
+        }
+        Self {
+            stable_points,
+            unstable_points,
+            unknown_points,
+            tolerance,
+            largest_multiplier: points.iter().filter_map(|p| Some(p.stability?.magnitude())).reduce(f64::max),
+            unstable,
+        }
+    }
+}
+
 /// Why a curve has no further points.
 #[derive(Serialize)]
 pub struct End<'a> {

@@ -14,7 +14,7 @@ use super::tables::points;
 use crate::Failure;
 use crate::certificate::Certificate;
 use crate::curve::space::Period;
-use crate::curve::summary::{At, ContactAt, End, Reduction, Resonance, largest_residual};
+use crate::curve::summary::{At, ContactAt, End, Reduction, Resonance, Stability, largest_residual};
 
 /// Writes it.
 pub fn write(
@@ -94,6 +94,7 @@ fn curve(computed: &ComputedResponse, first: usize) -> Value {
         "events": events.collect::<Vec<Value>>(),
         "internal_resonances": Resonance::all(&branch.points, first),
         "phase_resonances": computed.at_levels.iter().map(at).collect::<Vec<Value>>(),
+        "stability": Stability::new(&branch.points, first, None),
         "points_of_uncertain_stability": unknown,
         "end": End::from(&branch.end),
         "wall_time_s": computed.wall_time.as_secs_f64(),
