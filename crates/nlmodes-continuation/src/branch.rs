@@ -13,7 +13,7 @@ pub enum EventKind {
         /// Its index.
         index: usize,
     },
-    /// More than two arms of the solution set meet.
+    /// More than two half-branches of the solution set meet.
     BranchPoint,
     /// The system passes from one smooth piece to another.
     PatternChange {
@@ -85,7 +85,7 @@ pub enum StopReason {
     Closed,
     /// The observer asked to stop.
     Stopped,
-    /// The branch came to a crossing whose way on another branch of the tree, or this one, had passed before.
+    /// The branch came to a branch point whose way on another branch of the tree, or this one, had passed before.
     Joined,
     /// No step, however short, could be shown to stay on the branch.
     StepTooSmall {
@@ -117,7 +117,7 @@ impl StopReason {
 pub struct Branch {
     /// The points, in order.
     pub points: Vec<BranchPoint>,
-    /// Where more than two arms meet, in the order in which the branch came to them.
+    /// Where more than two half-branches meet, in the order in which the branch came to them.
     pub crossings: Vec<Crossing>,
     /// Why there are no more.
     pub stop: StopReason,

@@ -67,7 +67,7 @@ pub struct Continuation {
     pub bounds: Vec<Bound>,
     /// Unknowns whose turning points are events, beside those of the parameter.
     pub watched: Vec<usize>,
-    /// Which arm is followed where more than two meet. Default its own.
+    /// Which half-branch is followed where more than two meet. Default its own.
     pub at_branch_point: AtBranchPoint,
     /// Most points of the branch. Default 5000.
     pub max_points: usize,

@@ -12,7 +12,7 @@ use progress::Progress;
 use crate::pencil::Bordered;
 use crate::record::{is_direction, is_vector};
 use crate::singular::SingularDirections;
-use crate::vectors::dot;
+use crate::vectors::{along, dot};
 use crate::{CorrectionFailure, DenseSolver, LinearSolver, Linearization, NewtonFailure, ParametricSystem};
 
 /// Newton step below which a point counts as settled.
@@ -35,6 +35,10 @@ const COARSEST: f64 = 1e-7;
 /// Largest distance by which rounding may blur a point that is accepted.
 const MOST_BLURRED: f64 = 1e-5;
 
+/// Iterations after which deflated Newton's method has lost its way: where it comes to a solution it mostly does so in
+/// less than ten.
+const DEFLATIONS: usize = 12;
+
 /// A converged correction.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -52,7 +56,7 @@ pub struct Correction {
     pub iterations: usize,
     /// Smooth piece of the system at the point.
     pub pattern: u64,
-    /// Smallest over largest pivot of the bordered Jacobian: how far the point is from one where arms meet.
+    /// Smallest over largest pivot of the bordered Jacobian: how far the point is from one where half-branches meet.
     #[cfg_attr(feature = "serde", serde(with = "crate::record::any_number"))]
     pub(crate) regularity: f64,
 }
@@ -133,7 +137,7 @@ impl Corrector {
     ///
     /// A point counts as found when the residual is within the tolerance and the next step would move it by less than
     /// the resolution, or by no less than the ones before since all that is left of the residual is rounding. Near a
-    /// crossing a small residual alone says little about where the solution is.
+    /// branch point a small residual alone says little about where the solution is.
     pub(crate) fn correct<S: ParametricSystem>(
         &mut self,
         system: &mut S,
@@ -161,8 +165,9 @@ impl Corrector {
             }
             let next = if last { None } else { self.advance(system, &z, far) };
             let Some((trial, trial_norm)) = next else {
-                // Where the Jacobian is nearly singular no step lowers a residual that is there already.
-                let is_there = !last && small && norm <= f64::EPSILON;
+                // Where the Jacobian is nearly singular no step lowers a residual that is there already: on a sphere
+                // within the tolerance, in a step, beside whose end events are located, to the last digit.
+                let is_there = !last && small && (norm <= f64::EPSILON || !surface.is_plane());
                 if is_there || self.rests_on_rounding(system, &z, surface, norm, update) {
                     return Ok(self.finish(system, z, norm, iteration));
                 }
@@ -173,6 +178,43 @@ impl Corrector {
             (z, norm) = (trial, trial_norm);
         }
         Err(self.failure(norm, self.max_iterations, NewtonFailure::TooManyIterations))
+    }
+
+    /// A point near a solution on `surface` other than those that are `known`, within `near` of it: Newton's method on
+    /// the residual times `M(z) = Π (1 + ρ²/|z − z_k|²)`, ρ the `width` within which it is led away from them. Its step
+    /// is that without M, d, times `1/(1 − d · ∇ ln M)`.
+    pub(crate) fn deflated<S: ParametricSystem>(
+        &mut self,
+        system: &mut S,
+        mut z: Vec<f64>,
+        surface: &Surface,
+        known: &[&[f64]],
+        width: f64,
+        near: f64,
+    ) -> Option<Vec<f64>> {
+        let radius = surface.radius()?;
+        for _ in 0..=DEFLATIONS {
+            if !self.evaluate(system, &z).ok()?.is_finite() {
+                return None;
+            }
+            surface.normal(&z, &mut self.normal);
+            self.factor_bordered().ok()?;
+            self.newton_update(-surface.defect(&z));
+            let length = dot(&self.update, &self.update).sqrt();
+            let grows = known.iter().map(|known| {
+                let apart = along(&z, -1.0, known);
+                let square = dot(&apart, &apart);
+                -2.0 * width * width * dot(&apart, &self.update) / (square * (square + width * width))
+            });
+            let factor = 1.0 / (1.0 - grows.sum::<f64>());
+            if length <= near && factor > 0.0 {
+                return Some(z);
+            }
+            // No further than across the sphere.
+            let factor = factor.clamp(-radius / length, radius / length);
+            z = along(&z, factor, &self.update);
+        }
+        None
     }
 
     fn failure(&self, residual: f64, iterations: usize, reason: NewtonFailure) -> CorrectionFailure {
@@ -210,17 +252,6 @@ impl Corrector {
         self.factored.then(|| self.normal.clone())
     }
 
-    /// Sign of `det [J; tᵀ]` at the point evaluated last.
-    pub(crate) fn orientation_along(&mut self, tangent: &[f64]) -> Option<f64> {
-        self.normal.copy_from_slice(tangent);
-        self.factor_bordered().ok()?;
-        Some(self.solver.determinant_sign())
-    }
-
-    pub(crate) fn solver(&self) -> &dyn LinearSolver {
-        &*self.solver
-    }
-
     /// The directions in which the Jacobian leaves the point evaluated last nearly free.
     pub(crate) fn singular_directions(&self) -> Option<SingularDirections> {
         SingularDirections::of(&self.linearization, &*self.solver)
@@ -239,7 +270,7 @@ impl Corrector {
     }
 
     /// Whether a point with this residual, within the tolerance, and this next Newton step is a solution as well as one
-    /// can be known; `z` where the digits of the unknowns count. On a small sphere around a crossing they would let
+    /// can be known; `z` where the digits of the unknowns count. On a small sphere around a branch point they would let
     /// every point pass.
     fn is_found(&mut self, z: Option<&[f64]>, update: f64, progress: &Progress, last: bool) -> bool {
         if update <= self.resolution {

@@ -1,34 +1,35 @@
-//! Points where more than two arms meet: what leaves them, and which way a branch goes on.
+//! Points where more than two half-branches meet: what leaves them, and which way a branch goes on.
 
-use crate::arms::outward;
 use crate::corrector::Correction;
+use crate::half_branches::outward;
 use crate::record::{is_direction, is_vector};
 use crate::vectors::{distance, dot};
 
-/// Distance below which two crossings are one.
+/// Distance below which two branch points are one.
 const SAME: f64 = 1e-4;
 
-/// Which arm a branch follows where more than two meet.
+/// Which half-branch a branch follows where more than two meet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum AtBranchPoint {
-    /// Its own, through the point. The arms are joined in pairs so that these turn least in all.
+    /// Its own, through the point: straight on, or at a kink so that all curves through it, half-branches joined in
+    /// pairs, turn least in all.
     #[default]
     Stay,
     /// One of the others: that along which the parameter grows most.
     Switch,
 }
 
-/// An arm of the solution set that leaves a crossing.
+/// A half-branch of the solution set that leaves a branch point.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Arm {
-    /// Its first point; the tangent leads away from the crossing.
+    /// Its first point; the tangent leads away from the branch point.
     pub start: Correction,
-    /// Whether the branch went on along this arm.
+    /// Whether the branch went on along this half-branch.
     pub followed: bool,
 }
 
-/// A point where more than two arms meet, as a branch came to it.
+/// A point where more than two half-branches meet, as a branch came to it.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Crossing {
@@ -36,14 +37,16 @@ pub struct Crossing {
     pub point: usize,
     /// Where it is, `z = (x, p)`.
     pub z: Vec<f64>,
-    /// The arms, but for the one on which the branch came.
+    /// The half-branches, but for the one on which the branch came.
     pub arms: Vec<Arm>,
-    /// Curves around the crossing that were not followed, or not to their end: where it is not zero, there may be more
-    /// arms.
-    pub unsearched: usize,
+    /// Dimension of the kernel of the Jacobian, two at a simple branch point; one where smooth pieces meet whose
+    /// Jacobians have no more.
+    pub kernel: usize,
+    /// Whether these are all: not where they were found by a search, as where more than one direction is free.
+    pub complete: bool,
 }
 
-/// Arms around a crossing before the branch has chosen: the way back, its own continuation and the others.
+/// Half-branches around a branch point before the branch has chosen: the way back, its own continuation and the others.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -52,17 +55,20 @@ pub struct Choice {
     pub z: Vec<f64>,
     /// Unit vector toward the way back.
     pub back: Vec<f64>,
-    /// The other arms.
+    /// The other half-branches.
     pub arms: Vec<Correction>,
     /// Index of the branch's own continuation.
     pub own: usize,
-    /// Curves around the crossing that were not followed, or not to their end.
+    /// Dimension of the kernel of the Jacobian.
     #[cfg_attr(feature = "serde", serde(default))]
-    pub unsearched: usize,
+    pub kernel: usize,
+    /// Whether these are all.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub complete: bool,
 }
 
 impl Choice {
-    /// Whether this can be a crossing of a system with n unknowns.
+    /// Whether this can be a branch point of a system with n unknowns.
     pub(crate) fn is_of(&self, n: usize) -> bool {
         is_vector(&self.z, n + 1)
             && is_direction(&self.back, n + 1)
@@ -70,7 +76,7 @@ impl Choice {
             && self.arms.iter().all(|arm| arm.is_of(n))
     }
 
-    /// Index of the arm to follow.
+    /// Index of the half-branch to follow.
     pub(crate) fn arm(&self, rule: AtBranchPoint) -> usize {
         let growth = |k: &usize| outward(&self.z, &self.arms[*k].z).last().copied().unwrap_or(0.0);
         let others = (0..self.arms.len()).filter(|k| *k != self.own);
@@ -83,11 +89,11 @@ impl Choice {
     pub(crate) fn crossing(&self, point: usize, followed: Option<usize>) -> Crossing {
         let arms = self.arms.iter().enumerate();
         let arms = arms.map(|(k, start)| Arm { start: start.clone(), followed: followed == Some(k) });
-        Crossing { point, z: self.z.clone(), arms: arms.collect(), unsearched: self.unsearched }
+        Crossing { point, z: self.z.clone(), arms: arms.collect(), kernel: self.kernel, complete: self.complete }
     }
 }
 
-/// The crossings that several branches met, and which of their arms have been passed.
+/// The branch points that several branches met, and which of their half-branches have been passed.
 #[derive(Debug, Default)]
 pub(crate) struct Registry {
     crossings: Vec<Known>,
@@ -103,12 +109,13 @@ struct Known {
 struct KnownArm {
     outward: Vec<f64>,
     passed: bool,
-    /// Where it starts, and the branch and its crossing that found it; `None` for an arm on which a branch came.
+    /// Where it starts, and the branch and its branch point that found it; `None` for a half-branch on which a branch
+    /// came.
     start: Option<(Correction, usize, usize)>,
 }
 
-/// An arm that no branch has passed: its first point, the branch that found it, and the number of that branch's
-/// crossing.
+/// A half-branch that no branch has passed: its first point, the branch that found it, and the number of that branch's
+/// branch point.
 pub(crate) struct Open {
     pub start: Correction,
     pub branch: usize,
@@ -116,9 +123,9 @@ pub(crate) struct Open {
 }
 
 impl Registry {
-    /// Takes note that branch `branch` came to its crossing number `crossing` and wants to go on along `arm`.
+    /// Takes note that branch `branch` came to its branch point number `crossing` and wants to go on along `arm`.
     ///
-    /// False if that arm has been passed already.
+    /// False if that half-branch has been passed already.
     pub fn enter(&mut self, choice: &Choice, arm: usize, branch: usize, crossing: usize) -> bool {
         let onward = outward(&choice.z, &choice.arms[arm].z);
         if let Some(known) = self.crossings.iter_mut().find(|k| distance(&k.z, &choice.z) < SAME) {
@@ -135,7 +142,7 @@ impl Registry {
         true
     }
 
-    /// The next arm that no branch has passed, which counts as passed from now on.
+    /// The next half-branch that no branch has passed, which counts as passed from now on.
     pub fn next_open(&mut self) -> Option<Open> {
         let mut arms = self.crossings.iter_mut().flat_map(|k| &mut k.arms);
         let arm = arms.find(|a| !a.passed)?;
@@ -144,14 +151,14 @@ impl Registry {
         Some(Open { start, branch, crossing })
     }
 
-    /// Number of arms that no branch has passed.
+    /// Number of half-branches that no branch has passed.
     pub fn n_open(&self) -> usize {
         self.crossings.iter().flat_map(|k| &k.arms).filter(|a| !a.passed).count()
     }
 }
 
 impl Known {
-    /// Marks the arm in this direction; false if it was passed before.
+    /// Marks the half-branch in this direction; false if it was passed before.
     fn pass(&mut self, direction: &[f64]) -> bool {
         let nearest =
             self.arms.iter_mut().max_by(|a, b| dot(&a.outward, direction).total_cmp(&dot(&b.outward, direction)));

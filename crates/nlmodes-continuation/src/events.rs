@@ -5,7 +5,7 @@ mod changes;
 use crate::corrector::{Correction, Corrector, Hyperplane, Surface};
 use crate::predictor::Hermite;
 use crate::roots::bracketed_root;
-use crate::step::{Foot, reach};
+use crate::step::{BasePoint, reach};
 use crate::vectors::distance;
 use crate::{EventKind, ParametricSystem};
 
@@ -31,7 +31,7 @@ const EVENLY: f64 = 1e-4;
 /// Value of a test function, over that at the ends of the bracket, that is zero but for rounding.
 const ZERO: f64 = 1e-13;
 
-/// An event within a step, at the distance `s` along the foot's tangent.
+/// An event within a step, at the distance `s` along the base point's tangent.
 #[derive(Debug, Clone)]
 pub(crate) struct Located {
     pub s: f64,
@@ -78,16 +78,16 @@ impl FoldWatch {
     }
 }
 
-/// A step, of length `h` along the tangent of `foot`, within which events are located.
+/// A step, of length `h` along the tangent of `base point`, within which events are located.
 pub(crate) struct Search<'a, S> {
     pub system: &'a mut S,
     pub corrector: &'a mut Corrector,
-    pub foot: &'a Foot,
+    pub base: &'a BasePoint,
     pub end: &'a Correction,
     pub h: f64,
 }
 
-/// A point of the branch within a step, at the distance `s` along the foot's tangent.
+/// A point of the branch within a step, at the distance `s` along the base point's tangent.
 #[derive(Debug, Clone)]
 struct Mark {
     s: f64,
@@ -117,8 +117,8 @@ impl<S: ParametricSystem> Search<'_, S> {
 
     /// Where `det [J; tᵀ]` changes its sign; `None` if it is not known where within the step.
     ///
-    /// The nearer points are to a crossing, the less they are known. So where the Jacobian becomes singular evenly, the
-    /// last stretch is interpolated.
+    /// The nearer points are to a branch point, the less they are known. So where the Jacobian becomes singular evenly,
+    /// the last stretch is interpolated.
     pub fn crossing(&mut self) -> Option<Located> {
         let kinds = vec![EventKind::BranchPoint];
         let [mut low, mut high] = self.whole();
@@ -131,7 +131,7 @@ impl<S: ParametricSystem> Search<'_, S> {
                 return self.interpolated(&low, &high, s).map(|point| Located { s, kinds, point });
             }
             let middle = self.reach(&low, &high, low.s + 0.5 * width)?;
-            if middle.at.orientation * self.foot.orientation > 0.0 {
+            if middle.at.orientation * self.base.orientation > 0.0 {
                 low = middle;
             } else {
                 high = middle;
@@ -155,16 +155,11 @@ impl<S: ParametricSystem> Search<'_, S> {
         self.find(&ELSEWHERE, self.whole(), &test)
     }
 
-    /// The same where a point that is not found casts doubt on the step: `None` then.
-    pub fn certain_root(&mut self, test: impl Fn(&Correction) -> f64) -> Option<Root> {
-        Some(self.find(&[], self.whole(), &test)).filter(|root| root.settled)
-    }
-
     /// Both ends of the step.
     fn whole(&self) -> [Mark; 2] {
-        let Foot { z, tangent, orientation, pattern, regularity, .. } = self.foot.clone();
-        let foot = Correction { z, tangent, orientation, residual: 0.0, iterations: 0, pattern, regularity };
-        [Mark { s: 0.0, at: foot }, Mark { s: self.h, at: self.end.clone() }]
+        let BasePoint { z, tangent, orientation, pattern, regularity, .. } = self.base.clone();
+        let base = Correction { z, tangent, orientation, residual: 0.0, iterations: 0, pattern, regularity };
+        [Mark { s: 0.0, at: base }, Mark { s: self.h, at: self.end.clone() }]
     }
 
     /// Width to which the bracket of a root is brought.
@@ -184,7 +179,9 @@ impl<S: ParametricSystem> Search<'_, S> {
         let mut idle = 0;
         for _ in 0..MOST_CORRECTIONS {
             let before = high.s - low.s;
-            if before <= width || known.1.abs() <= zero {
+            // Where the bracket does not narrow as it should, points are not known well enough for more.
+            let rests = idle > 0 && before <= self.corrector.resolution;
+            if before <= width || rests || known.1.abs() <= zero {
                 break;
             }
             let (middle, root) = (0.5 * (low.s + high.s), self.root_between((&low, f_low), (&high, f_high), test));
@@ -229,14 +226,14 @@ impl<S: ParametricSystem> Search<'_, S> {
 
     fn curve<'m>(&self, low: &'m Mark, high: &'m Mark) -> Option<Hermite<'m>> {
         let of = |mark: &'m Mark| (mark.s, mark.at.z.as_slice(), mark.at.tangent.as_slice());
-        Hermite::new(&self.foot.tangent, of(low), of(high))
+        Hermite::new(&self.base.tangent, of(low), of(high))
     }
 
-    /// The branch at the distance `s`: from the curve through both points, or else from the foot.
+    /// The branch at the distance `s`: from the curve through both points, or else from the base point.
     fn reach(&mut self, low: &Mark, high: &Mark, s: f64) -> Option<Mark> {
         let guess = self.curve(low, high).map(|curve| curve.at(s));
         let found = guess.and_then(|guess| {
-            let plane = Hyperplane::through(&guess, &self.foot.tangent);
+            let plane = Hyperplane::through(&guess, &self.base.tangent);
             let found = self.corrector.correct(self.system, &guess, &Surface::Plane(plane)).ok()?;
             (distance(&found.z, &guess) <= OFF_CURVE * distance(&low.at.z, &high.at.z)).then_some(found)
         });
@@ -244,14 +241,14 @@ impl<S: ParametricSystem> Search<'_, S> {
     }
 
     fn reach_from_foot(&mut self, s: f64) -> Option<Mark> {
-        let at = reach(self.system, self.corrector, self.foot, s).ok()?;
+        let at = reach(self.system, self.corrector, self.base, s).ok()?;
         Some(Mark { s, at })
     }
 }
 
 /// Where a test function changes its sign within a step.
 pub(crate) struct Root {
-    /// Distance along the tangent of the foot.
+    /// Distance along the tangent of the base point.
     pub s: f64,
     /// The point there, on the far side.
     pub point: Correction,

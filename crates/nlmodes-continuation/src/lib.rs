@@ -9,13 +9,15 @@
 //! residuals that are only piecewise smooth: a step counts only when prediction, correction, turn of the tangent and a
 //! check at half the step agree, and what the branch passed is located and named.
 //!
-//! `det [J; tᵀ]` keeps its sign along a curve, corners included, until another curve crosses. So a step upon which it
-//! changes is accepted only where more than two arms are found to meet; otherwise it has jumped and is shortened. How
-//! often it vanishes within a step is told by the eigenvalues of the Jacobian at its end in terms of that at its
-//! beginning: a step that passes more than one such point is shortened until they are told apart, or are one. Where no
-//! step exists, all arms that leave a small sphere are found and the branch goes on along the one that is its own, or
-//! along another ([`AtBranchPoint`]); any number of directions may be nearly free there. [`Continuation::run_tree`]
-//! follows them all.
+//! `det [J; tᵀ]` keeps its sign along a curve, kinks included, until another curve crosses. So a step upon which it
+//! changes is accepted only where more than two half-branches are found to meet; otherwise it has jumped and is
+//! shortened. How often it vanishes within a step is told by the eigenvalues of the Jacobian at its end in terms of
+//! that at its beginning: a step that passes more than one such point is shortened until they are told apart, or are
+//! one. The half-branches of a point are those along the tangents of the smooth pieces that meet there, those of the
+//! quadratic branching equation where the kernel has two dimensions, or found by deflated Newton's method where it has
+//! more; each is confirmed by a correction. Only such a search need not be complete, and says so
+//! ([`Crossing::complete`]). The branch goes on along its own, or along another ([`AtBranchPoint`]);
+//! [`Continuation::run_tree`] follows them all.
 //!
 //! | symbol | item | shape |
 //! | --- | --- | --- |
@@ -57,20 +59,18 @@
 //! doi:10.1137/1.9780898719154; A. Dhooge, W. Govaerts, Yu. A. Kuznetsov, *MATCONT*, ACM TOMS 29 (2003),
 //! doi:10.1145/779359.779362.
 
-mod arms;
-mod bend;
+mod boundaries;
 mod boundary;
 mod branch;
+mod branching;
 pub mod conformance;
 mod continuation;
-mod corner;
 mod corrector;
 mod crossing;
 mod error;
 mod events;
-mod expansion;
-mod meeting;
-mod onsets;
+mod half_branches;
+mod kink;
 mod pencil;
 mod predictor;
 mod record;
@@ -81,7 +81,6 @@ mod scales;
 mod signs;
 mod singular;
 mod solver;
-mod sphere;
 mod step;
 mod step_control;
 mod system;

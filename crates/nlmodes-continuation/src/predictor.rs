@@ -1,6 +1,6 @@
 //! The predictor: where the branch is expected, from points and tangents that are known.
 
-use crate::step::Foot;
+use crate::step::BasePoint;
 use crate::vectors::{along, distance, dot};
 
 /// Longest step, over the one before, for which the curve through the last two points is continued.
@@ -9,7 +9,7 @@ const EXTRAPOLATED: f64 = 2.0;
 /// Largest distance of the prediction from the tangent, over the step, that is credible.
 const OFF_TANGENT: f64 = 0.2;
 
-/// Smallest component of a tangent along that of the foot with which a curve is interpolated.
+/// Smallest component of a tangent along that of the base point with which a curve is interpolated.
 const STEEPEST: f64 = 0.2;
 
 /// A point of the branch and the tangent there, as far as a predictor needs them.
@@ -19,17 +19,17 @@ pub(crate) struct Behind {
     pub tangent: Vec<f64>,
 }
 
-/// Where the branch is expected on the plane at the distance `h` along the tangent of the foot: on the cubic through
-/// the last two points, or else on the tangent itself.
-pub(crate) fn predicted(foot: &Foot, h: f64) -> Vec<f64> {
-    let on_tangent = along(&foot.z, h, &foot.tangent);
-    let Some(behind) = &foot.behind else { return on_tangent };
-    let s = dot(&behind.z, &foot.tangent) - dot(&foot.z, &foot.tangent);
+/// Where the branch is expected on the plane at the distance `h` along the tangent of the base point: on the cubic
+/// through the last two points, or else on the tangent itself.
+pub(crate) fn predicted(base: &BasePoint, h: f64) -> Vec<f64> {
+    let on_tangent = along(&base.z, h, &base.tangent);
+    let Some(behind) = &base.behind else { return on_tangent };
+    let s = dot(&behind.z, &base.tangent) - dot(&base.z, &base.tangent);
     if s >= 0.0 || h > -EXTRAPOLATED * s {
         return on_tangent;
     }
     let from = (s, behind.z.as_slice(), behind.tangent.as_slice());
-    let Some(curve) = Hermite::new(&foot.tangent, from, (0.0, &foot.z, &foot.tangent)) else { return on_tangent };
+    let Some(curve) = Hermite::new(&base.tangent, from, (0.0, &base.z, &base.tangent)) else { return on_tangent };
     let on_curve = curve.at(h);
     if distance(&on_curve, &on_tangent) > OFF_TANGENT * h { on_tangent } else { on_curve }
 }

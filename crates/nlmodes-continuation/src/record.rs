@@ -21,11 +21,11 @@ pub struct StepRecord {
     /// Rounding of the entries of the residual, as large as it was found so far; empty in a log that does not know it.
     #[cfg_attr(feature = "serde", serde(default))]
     pub rounding: Vec<f64>,
-    /// The regularity at the point from which the step was taken, and the distance of that; `None` behind a corner.
+    /// The regularity at the point from which the step was taken, and the distance of that; `None` behind a kink.
     pub before: Option<(f64, f64)>,
     /// Sense in which the coordinates whose turning points are events moved last.
     pub senses: Vec<f64>,
-    /// The crossing that was passed, and its arms.
+    /// The branch point that was passed, and its half-branches.
     pub crossing: Option<Choice>,
     /// Length of the next step.
     pub next: f64,

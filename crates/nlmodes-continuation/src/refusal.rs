@@ -94,7 +94,7 @@ pub enum Refusal {
         /// Distance over the length of the step.
         steps: f64,
     },
-    /// `det [J; tᵀ]` has changed its sign and no other arm leaves the point where it does.
+    /// `det [J; tᵀ]` has changed its sign and no other half-branch leaves the point where it does.
     #[error("the step ends on another arm of the curve")]
     OtherArm,
     /// The Jacobian becomes singular more than once within the step.
@@ -105,7 +105,7 @@ pub enum Refusal {
         /// A step that is likely to tell them apart.
         next: f64,
     },
-    /// A crossing within the step was seen but not located.
+    /// A branch point within the step was seen but not located.
     #[error("the crossing that the step passes could not be located")]
     CrossingNotLocated,
     /// Other curves are near.

@@ -1,8 +1,8 @@
 //! A branch being followed: step after step, and what each outcome leads to.
 
 mod bounds;
-mod corners;
-mod crossings;
+mod branch_points;
+mod kinks;
 mod points;
 mod replay;
 mod several;
@@ -16,7 +16,7 @@ use crate::events::{FoldWatch, Located};
 use crate::pencil::Bordered;
 use crate::record::RunLog;
 use crate::scales::Scaled;
-use crate::step::{Foot, Watched, watched_step};
+use crate::step::{BasePoint, Watched, watched_step};
 use crate::step_control::StepControl;
 use crate::vectors::{along, distance, dot};
 use crate::{Branch, BranchPoint, Continuation, EventKind, ParametricSystem, Refusal, StopReason};
@@ -29,28 +29,28 @@ pub(crate) struct Run<'a, 's, E> {
     observe: &'a mut dyn FnMut(&BranchPoint) -> ControlFlow<()>,
     corrector: Corrector,
     branch: Branch,
-    foot: Foot,
-    /// Regularity of the foot before, and its distance; `None` behind a corner.
+    base: BasePoint,
+    /// Regularity of the base point before, and its distance; `None` behind a kink.
     before: Option<(f64, f64)>,
     folds: FoldWatch,
     /// What other branches have passed, and the number of this one among them.
     known: Option<(&'a mut Registry, usize)>,
     log: &'a mut dyn RunLog,
-    /// The crossing that the step in progress passed.
+    /// The branch point that the step in progress passed.
     passed: Option<Choice>,
     /// Points of the step in progress that were shown before.
     shown: usize,
-    /// The row below the Jacobian at the foot, while steps of a log are repeated.
+    /// The row below the Jacobian at the base point, while steps of a log are repeated.
     row: Option<Vec<f64>>,
 }
 
-/// Where a step passes a crossing, and the arms there.
+/// Where a step passes a branch point, and the half-branches there.
 type Crossing = (Located, Choice);
 
 /// A step that is shown to stay on the branch.
 struct Taken {
     end: Correction,
-    /// Distance of the end from the tangent of the foot.
+    /// Distance of the end from the tangent of the base point.
     moved: f64,
     crossing: Option<Crossing>,
     /// Where the branch ends within the step, and why.
@@ -80,7 +80,7 @@ impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
             evaluations: 0,
             refused_steps: 0,
         };
-        let foot = Foot { border: corrector.border().map(Rc::new), ..Foot::from(start) };
+        let base = BasePoint { border: corrector.border().map(Rc::new), ..BasePoint::from(start) };
         let (control, known, passed) = (StepControl::new(&settings.step), None, None);
         let (before, row) = (None, corrector.border_row());
         Self {
@@ -90,7 +90,7 @@ impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
             observe,
             corrector,
             branch,
-            foot,
+            base,
             before,
             folds,
             known,
@@ -154,9 +154,9 @@ impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
         }
         let told = self.log.computing(repeated);
         if self.branch.points.is_empty() {
-            let border = self.foot.border.take();
+            let border = self.base.border.take();
             let outcome = self.go_to(start, Vec::new()).map_continue(|()| h);
-            self.foot.border = border;
+            self.base.border = border;
             return self.record(0, outcome);
         }
         self.restore_border();
@@ -176,13 +176,12 @@ impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
                 self.control.limits.max_iterations * if self.control.is_precious(h) { 3 } else { 1 };
             let outcome = match self.try_step(h) {
                 Ok(taken) => {
-                    let next = self.control.after_taken(h, taken.moved, &self.foot.z);
+                    let next = self.control.after_taken(h, taken.moved, &self.base.z);
                     self.accept(taken, h, next)
                 }
                 Err(refusal) => {
                     self.branch.refused_steps += 1;
-                    let beyond = if refused == 0 { self.around_bend_at_start() } else { None };
-                    let beyond = beyond.or_else(|| self.beyond_corner_at_start(&refusal));
+                    let beyond = if refused == 0 { self.pass_kink_at_start() } else { None };
                     match (beyond, self.shorter(h, &refusal)) {
                         (Some(outcome), _) => outcome,
                         (None, Some(shorter)) => {
@@ -191,7 +190,7 @@ impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
                         }
                         (None, None) => {
                             let too_small = StopReason::StepTooSmall { step: h, refusal };
-                            self.pass_corner().unwrap_or(ControlFlow::Break(too_small))
+                            self.pass_kink().unwrap_or(ControlFlow::Break(too_small))
                         }
                     }
                 }
@@ -211,23 +210,23 @@ impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
         if shorter.is_some() || !self.control.is_held_by_rounding() {
             return shorter;
         }
-        self.corrector.measure_rounding(self.system, &self.foot.z);
+        self.corrector.measure_rounding(self.system, &self.base.z);
         self.look_at_rounding();
         self.control.after_refused(h, refusal)
     }
 
-    /// How well points near the foot are known, and the shortest step that makes sense there: along directions that are
-    /// nearly free, with singular values σ of the Jacobian, a residual that is zero up to rounding ε leaves a solution
-    /// unknown up to ε/σ.
+    /// How well points near the base point are known, and the shortest step that makes sense there: along directions
+    /// that are nearly free, with singular values σ of the Jacobian, a residual that is zero up to rounding ε leaves a
+    /// solution unknown up to ε/σ.
     fn look_at_rounding(&mut self) {
-        self.corrector.look_at_rounding(self.system, &self.foot.z, &self.foot.tangent);
+        self.corrector.look_at_rounding(self.system, &self.base.z, &self.base.tangent);
         self.control.set_blur(if self.corrector.is_blurred() { self.corrector.blur } else { 0.0 });
     }
 
-    /// A step that stays on the branch, the crossing that it passes, if it does, and where the branch ends within it,
-    /// if it does.
+    /// A step that stays on the branch, the branch point that it passes, if it does, and where the branch ends within
+    /// it, if it does.
     fn try_step(&mut self, h: f64) -> Result<Taken, Refusal> {
-        let watched = watched_step(self.system, &mut self.corrector, &self.control.limits, &self.foot, h)?;
+        let watched = watched_step(self.system, &mut self.corrector, &self.control.limits, &self.base, h)?;
         let Watched { end, border, singular } = watched;
         let (crossing, changes) = match self.several_passed(&end, h, border.as_deref(), &singular)? {
             Some(crossing) => (Some(crossing), None),
@@ -237,7 +236,7 @@ impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
             None => self.closing_point(&end, h)?.map(|last| (StopReason::Closed, last)),
             bound => bound,
         };
-        let moved = distance(&end.z, &along(&self.foot.z, h, &self.foot.tangent));
+        let moved = distance(&end.z, &along(&self.base.z, h, &self.base.tangent));
         Ok(Taken { end, moved, crossing, last, changes, border })
     }
 }

@@ -11,11 +11,19 @@ use crate::{ContinuationError, CorrectionFailure, ParametricSystem, Refusal};
 pub struct StepSettings {
     /// First step. This and all lengths are distances between points whose unknowns are over their sizes. Default 0.01.
     pub initial: f64,
-    /// Shortest step. Where it is refused, the arms around the point are looked for. Default 1e-6.
+    /// Shortest step. Where it is refused, the half-branches around the point are looked for, at ten times that
+    /// distance. Default 1e-6.
     pub min: f64,
-    /// Largest distance at which arms are looked for; where more than one leads on, the look is repeated closer, down
-    /// to ten times the shortest step. Default 1e-3.
+    /// Distance at which second differences for the branching equation are taken, and least distance at which
+    /// half-branches are searched where more than one direction is free: far above the last digits of the unknowns,
+    /// whose third power the cubic terms are. Default 1e-3.
     pub arm: f64,
+    /// Most evaluations of a search for half-branches, where more than one direction is free or the branching equation
+    /// does not tell them; following them inward comes on top. Default 4000, twice what four free directions take.
+    pub search: usize,
+    /// Ratio of the pivots from which on the Jacobian tells a half-branch from its neighbours. Default 1e-6, well above
+    /// the error of a Jacobian by differences, of the order of √ε.
+    pub isolated: f64,
     /// Longest step. Default 0.1.
     pub max: f64,
     /// Largest unknown, over its size, beyond which the longest step grows in proportion to it; four at most where
@@ -42,6 +50,8 @@ impl Default for StepSettings {
             initial: 0.01,
             min: 1e-6,
             arm: 1e-3,
+            search: 4000,
+            isolated: 1e-6,
             max: 0.1,
             far: f64::INFINITY,
             max_turn: 0.35,
@@ -58,7 +68,8 @@ impl StepSettings {
         let positive = [
             ("initial step", self.initial),
             ("shortest step", self.min),
-            ("distance of arms", self.arm),
+            ("distance of half-branches", self.arm),
+            ("ratio of pivots of a half-branch", self.isolated),
             ("longest step", self.max),
             ("largest turn", self.max_turn),
             ("largest correction", self.max_correction),
@@ -72,6 +83,10 @@ impl StepSettings {
         if self.far.is_nan() || self.far <= 0.0 {
             let what = "largest unknown for which the longest step is meant";
             return Err(ContinuationError::Setting { what, value: self.far, expected: "a positive number" });
+        }
+        if self.search == 0 {
+            let what = "number of evaluations permitted a search for half-branches";
+            return Err(ContinuationError::Setting { what, value: 0.0, expected: "at least one" });
         }
         if self.max_iterations == 0 {
             let what = "number of Newton iterations permitted";
@@ -97,19 +112,19 @@ const SETTLED: f64 = 100.0;
 
 /// A point from which steps start.
 #[derive(Debug, Clone)]
-pub(crate) struct Foot {
+pub(crate) struct BasePoint {
     pub z: Vec<f64>,
     pub tangent: Vec<f64>,
     pub orientation: f64,
     pub pattern: u64,
     pub regularity: f64,
-    /// The point before, where no corner lies in between.
+    /// The point before, where no kink lies in between.
     pub behind: Option<Behind>,
     /// The Jacobian, where it is known and wanted.
     pub border: Option<Rc<Bordered>>,
 }
 
-impl From<&Correction> for Foot {
+impl From<&Correction> for BasePoint {
     fn from(c: &Correction) -> Self {
         let Correction { orientation, pattern, regularity, .. } = *c;
         Self {
@@ -124,15 +139,15 @@ impl From<&Correction> for Foot {
     }
 }
 
-/// Corrects at distance `h` along the tangent of `foot`, without judging the result.
+/// Corrects at distance `h` along the tangent of `base point`, without judging the result.
 pub(crate) fn reach<S: ParametricSystem>(
     system: &mut S,
     corrector: &mut Corrector,
-    foot: &Foot,
+    base: &BasePoint,
     h: f64,
 ) -> Result<Correction, CorrectionFailure> {
-    let predicted = predicted(foot, h);
-    corrector.correct(system, &predicted, &Surface::Plane(Hyperplane::through(&predicted, &foot.tangent)))
+    let predicted = predicted(base, h);
+    corrector.correct(system, &predicted, &Surface::Plane(Hyperplane::through(&predicted, &base.tangent)))
 }
 
 /// A step of length `h` that is shown to stay on the branch, or the reason why it is refused.
@@ -140,12 +155,12 @@ pub(crate) fn step<S: ParametricSystem>(
     system: &mut S,
     corrector: &mut Corrector,
     settings: &StepSettings,
-    foot: &Foot,
+    base: &BasePoint,
     h: f64,
 ) -> Result<Correction, Refusal> {
-    let end = reach(system, corrector, foot, h).map_err(Refusal::End)?;
-    let turn = near_and_straight(settings, foot, &end, h)?;
-    confirm(system, corrector, settings, foot, &end, h, turn)?;
+    let end = reach(system, corrector, base, h).map_err(Refusal::End)?;
+    let turn = near_and_straight(settings, base, &end, h)?;
+    confirm(system, corrector, settings, base, &end, h, turn)?;
     Ok(end)
 }
 
@@ -163,14 +178,14 @@ pub(crate) fn watched_step<S: ParametricSystem>(
     system: &mut S,
     corrector: &mut Corrector,
     settings: &StepSettings,
-    foot: &Foot,
+    base: &BasePoint,
     h: f64,
 ) -> Result<Watched, Refusal> {
-    let end = reach(system, corrector, foot, h).map_err(Refusal::End)?;
-    let turn = near_and_straight(settings, foot, &end, h)?;
+    let end = reach(system, corrector, base, h).map_err(Refusal::End)?;
+    let turn = near_and_straight(settings, base, &end, h)?;
     let border = corrector.border().map(Rc::new);
-    let singular = match (&foot.border, &border) {
-        (Some(from), Some(to)) => to.singular_since(from, end.orientation * foot.orientation < 0.0),
+    let singular = match (&base.border, &border) {
+        (Some(from), Some(to)) => to.singular_since(from, end.orientation * base.orientation < 0.0),
         _ => Vec::new(),
     };
     if let [first, .., last] = singular.as_slice() {
@@ -180,11 +195,11 @@ pub(crate) fn watched_step<S: ParametricSystem>(
             return Err(Refusal::SeveralCrossings { count: singular.len(), next: telling(&singular, h, near) });
         }
     }
-    confirm(system, corrector, settings, foot, &end, h, turn)?;
+    confirm(system, corrector, settings, base, &end, h, turn)?;
     Ok(Watched { end, border, singular })
 }
 
-/// Spread of singular points, over the distance at which arms are looked for, up to which they are one.
+/// Spread of singular points, over the distance at which half-branches are looked for, up to which they are one.
 const ONE_POINT: f64 = 0.05;
 
 /// The length of a step that tells singular points apart, or ends just before the first ones if they are close
@@ -201,12 +216,12 @@ fn telling(singular: &[f64], h: f64, near: f64) -> f64 {
 }
 
 /// The turn of the tangent within a step, unless that or the distance from the prediction is too large.
-fn near_and_straight(settings: &StepSettings, foot: &Foot, end: &Correction, h: f64) -> Result<f64, Refusal> {
-    let moved = distance(&end.z, &along(&foot.z, h, &foot.tangent));
+fn near_and_straight(settings: &StepSettings, base: &BasePoint, end: &Correction, h: f64) -> Result<f64, Refusal> {
+    let moved = distance(&end.z, &along(&base.z, h, &base.tangent));
     if moved > settings.max_correction * h {
         return Err(Refusal::FarFromPrediction { steps: moved / h });
     }
-    let turn = dot(&end.tangent, &foot.tangent).clamp(-1.0, 1.0).acos();
+    let turn = dot(&end.tangent, &base.tangent).clamp(-1.0, 1.0).acos();
     if turn > settings.max_turn { Err(Refusal::Turn { radians: turn }) } else { Ok(turn) }
 }
 
@@ -215,35 +230,35 @@ fn confirm<S: ParametricSystem>(
     system: &mut S,
     corrector: &mut Corrector,
     settings: &StepSettings,
-    foot: &Foot,
+    base: &BasePoint,
     end: &Correction,
     h: f64,
     turn: f64,
 ) -> Result<(), Refusal> {
-    let moved = distance(&end.z, &along(&foot.z, h, &foot.tangent));
-    // An arc lies half its turn off its tangent; what lies further off may be another arm.
+    let moved = distance(&end.z, &along(&base.z, h, &base.tangent));
+    // An arc lies half its turn off its tangent; what lies further off may be another half-branch.
     let sideways = moved > turn * h + 1e-6 * h + SETTLED * corrector.resolution.max(0.1 * corrector.blur);
-    if turn > settings.checked_turn || sideways || end.pattern != foot.pattern {
+    if turn > settings.checked_turn || sideways || end.pattern != base.pattern {
         let most = if sideways { 0.2 * moved.max(turn * h) } else { 0.03 * h };
-        check_middle(system, corrector, foot, h, end, most.min(0.03 * h))?;
+        check_middle(system, corrector, base, h, end, most.min(0.03 * h))?;
     }
     Ok(())
 }
 
-/// The point at half the step must lie on the cubic through both ends, but for `most`: after a jump to another arm it
-/// does not.
+/// The point at half the step must lie on the cubic through both ends, but for `most`: after a jump to another
+/// half-branch it does not.
 fn check_middle<S: ParametricSystem>(
     system: &mut S,
     corrector: &mut Corrector,
-    foot: &Foot,
+    base: &BasePoint,
     h: f64,
     end: &Correction,
     most: f64,
 ) -> Result<(), Refusal> {
-    let middle = reach(system, corrector, foot, 0.5 * h).map_err(Refusal::Middle)?;
-    let chord = distance(&end.z, &foot.z);
+    let middle = reach(system, corrector, base, 0.5 * h).map_err(Refusal::Middle)?;
+    let chord = distance(&end.z, &base.z);
     let cubic: Vec<f64> = (0..end.z.len())
-        .map(|i| 0.5 * (foot.z[i] + end.z[i]) + chord / 8.0 * (foot.tangent[i] - end.tangent[i]))
+        .map(|i| 0.5 * (base.z[i] + end.z[i]) + chord / 8.0 * (base.tangent[i] - end.tangent[i]))
         .collect();
     // The middle in the plane is not the middle of the arc: only the distance across the tangent counts.
     let gap: Vec<f64> = middle.z.iter().zip(&cubic).map(|(a, b)| a - b).collect();
@@ -286,8 +301,8 @@ mod tests {
 
     #[test]
     fn a_step_that_ends_far_from_its_prediction_or_turns_too_much_is_refused() {
-        let (settings, foot, h) = (StepSettings::default(), Foot::from(&at(0.0, 0.0, 0.0)), 0.05);
-        let judged = |x: f64, p: f64, turn: f64| near_and_straight(&settings, &foot, &at(x, p, turn), h);
+        let (settings, base, h) = (StepSettings::default(), BasePoint::from(&at(0.0, 0.0, 0.0)), 0.05);
+        let judged = |x: f64, p: f64, turn: f64| near_and_straight(&settings, &base, &at(x, p, turn), h);
         assert!((judged(0.29 * h, h, 0.2).unwrap() - 0.2).abs() < 1e-12);
         // Sideways, and along the tangent.
         for (x, p) in [(0.31 * h, h), (-0.31 * h, h), (0.0, 0.69 * h), (0.0, 1.31 * h)] {
@@ -305,10 +320,10 @@ mod tests {
 
     #[test]
     fn a_step_whose_middle_lies_elsewhere_is_refused_with_its_distance() {
-        let (settings, foot, h) = (StepSettings::default(), Foot::from(&at(0.0, 0.0, 0.0)), 0.05);
+        let (settings, base, h) = (StepSettings::default(), BasePoint::from(&at(0.0, 0.0, 0.0)), 0.05);
         let confirmed = |x: f64, turn: f64| {
             let mut corrector = Corrector::new(1, settings.tolerance, settings.max_iterations);
-            confirm(&mut Axis, &mut corrector, &settings, &foot, &at(x, h, turn), h, turn)
+            confirm(&mut Axis, &mut corrector, &settings, &base, &at(x, h, turn), h, turn)
         };
         assert!(confirmed(0.0, 0.0).is_ok() && confirmed(0.0, 0.11).is_ok());
         // Half of what the end is off: 0.1 h on a straight line.

@@ -2,7 +2,7 @@
 
 use crate::{Refusal, StepSettings};
 
-/// Growth of the step after one that was easy, below this length, where a corner has just been passed, and above.
+/// Growth of the step after one that was easy, below this length, where a kink has just been passed, and above.
 const GROWTH: [(f64, f64); 2] = [(1e-3, 2.5), (f64::INFINITY, 1.4)];
 
 /// Distance of the branch from its tangent at the end of a step, over the step, up to which that was easy. Half the
@@ -13,10 +13,6 @@ const EASY: f64 = 0.06;
 /// Shares of a step that are tried next where it is refused: at first, and again.
 const SHORTER: [f64; 2] = [0.5, 0.25];
 
-/// Relative change of the distance from the predicted point, over the step, up to which a shorter step has not come
-/// nearer: along a smooth curve it falls with the step.
-const NO_NEARER: f64 = 0.1;
-
 /// Shortest step, over the distance by which rounding blurs the point from which it starts: what is shorter says
 /// nothing about the curve.
 const ABOVE_ROUNDING: f64 = 50.0;
@@ -24,17 +20,15 @@ const ABOVE_ROUNDING: f64 = 50.0;
 /// The lengths that steps may have, and how often the step in progress was refused.
 #[derive(Debug)]
 pub(crate) struct StepControl {
-    /// The settings, with a shortest step that is no shorter than rounding permits at the foot.
+    /// The settings, with a shortest step that is no shorter than rounding permits at the base point.
     pub limits: StepSettings,
     shortest: f64,
     refused_in_a_row: usize,
-    /// Distances from the predicted points, over the steps, of the last two that were refused for that.
-    far: [f64; 2],
 }
 
 impl StepControl {
     pub fn new(settings: &StepSettings) -> Self {
-        Self { limits: settings.clone(), shortest: settings.min, refused_in_a_row: 0, far: [f64::NAN; 2] }
+        Self { limits: settings.clone(), shortest: settings.min, refused_in_a_row: 0 }
     }
 
     /// The first step.
@@ -47,7 +41,7 @@ impl StepControl {
         self.refused_in_a_row
     }
 
-    /// Points near the foot are known up to `blur`: no shorter step makes sense there.
+    /// Points near the base point are known up to `blur`: no shorter step makes sense there.
     pub fn set_blur(&mut self, blur: f64) {
         self.limits.min = self.shortest.max(ABOVE_ROUNDING * blur).min(self.limits.max);
     }
@@ -75,22 +69,9 @@ impl StepControl {
         if moved <= EASY * h { (h * growth).min(self.longest(z)) } else { h }
     }
 
-    /// A step begins, or a corner was passed.
+    /// A step begins, or a kink was passed.
     pub fn begin(&mut self) {
         self.refused_in_a_row = 0;
-        self.far = [f64::NAN; 2];
-    }
-
-    /// Whether the last steps, each shorter than the one before, all ended as far beside their tangent in proportion:
-    /// there is a corner, or a bend tighter than they are long.
-    pub fn comes_no_nearer(&mut self, refusal: &Refusal) -> bool {
-        let Refusal::FarFromPrediction { steps } = refusal else {
-            self.far = [f64::NAN; 2];
-            return false;
-        };
-        let before = self.far;
-        self.far = [before[1], *steps];
-        before.iter().all(|far| (far / steps - 1.0).abs() <= NO_NEARER)
     }
 
     /// A shorter step than one that was refused; `None` where that was the shortest.
@@ -132,22 +113,6 @@ mod tests {
     }
 
     #[test]
-    fn a_corner_is_where_three_steps_in_a_row_come_no_nearer() {
-        let mut control = control();
-        let mut after = |steps: f64| control.comes_no_nearer(&Refusal::FarFromPrediction { steps });
-        assert_eq!(
-            [2.61, 2.62, 2.60, 2.56, 1.3, 1.3, 0.7].map(&mut after),
-            [false, false, true, true, false, false, false]
-        );
-        assert_eq!([0.7, 0.7].map(after), [false, true]);
-        assert!(!control.comes_no_nearer(&Refusal::OtherArm));
-        let far = Refusal::FarFromPrediction { steps: 0.7 };
-        assert!(!control.comes_no_nearer(&far) && !control.comes_no_nearer(&far) && control.comes_no_nearer(&far));
-        control.begin();
-        assert!(!control.comes_no_nearer(&far));
-    }
-
-    #[test]
     fn refused_steps_become_shorter_down_to_the_shortest_and_not_shorter_than_rounding_permits() {
         let mut control = control();
         let refusal = Refusal::CloseCurves;
@@ -156,7 +121,7 @@ mod tests {
         assert_eq!((control.after_refused(0.01, &refusal), control.refused_in_a_row()), (Some(0.0025), 3));
         control.begin();
         assert_eq!((control.refused_in_a_row(), control.after_refused(0.08, &refusal)), (0, Some(0.04)));
-        // What is likely to tell crossings apart, but shorter by a third at least.
+        // What is likely to tell branch points apart, but shorter by a third at least.
         for (next, expected) in [(0.03, 0.03), (0.09, 0.056)] {
             let several = Refusal::SeveralCrossings { count: 2, next };
             assert!((control.after_refused(0.08, &several).unwrap() - expected).abs() < 1e-15);

@@ -20,7 +20,7 @@ pub struct Origin {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct TreeBranch {
-    /// Its points; the first one lies beside the crossing that it leaves.
+    /// Its points; the first one lies beside the branch point that it leaves.
     pub branch: Branch,
     /// Where it comes from; `None` for the first.
     pub origin: Option<Origin>,
@@ -32,17 +32,21 @@ pub struct TreeBranch {
 pub struct BranchTree {
     /// Each stands behind the one that it leaves.
     pub branches: Vec<TreeBranch>,
-    /// Arms that were found but not followed, since there were branches enough.
+    /// Half-branches that were found but not followed, since there were branches enough.
     pub not_followed: usize,
+    /// Whether all half-branches of all branch points were found.
+    pub complete: bool,
+    /// The largest kernel of the Jacobian at a branch point; one where there is none.
+    pub kernel: usize,
 }
 
 impl Continuation {
-    /// Follows the branch through `(x, p)` and, from every crossing that is met, each arm that no branch has passed
-    /// yet.
+    /// Follows the branch through `(x, p)` and, from every branch point that is met, each half-branch that no branch
+    /// has passed yet.
     ///
-    /// A branch that comes to a crossing whose way on has been passed ends there with [`StopReason::Joined`]. At most
-    /// `max_branches` are followed, breadth first. Every point is shown to `observe` with the number of its branch when
-    /// it is found.
+    /// A branch that comes to a branch point whose way on has been passed ends there with [`StopReason::Joined`]. At
+    /// most `max_branches` are followed, breadth first. Every point is shown to `observe` with the number of its branch
+    /// when it is found.
     ///
     /// # Errors
     /// As [`run`](Self::run).
@@ -94,6 +98,9 @@ impl Continuation {
             start = open.start;
             corrector = Corrector::with_solver(system.solver(), x.len(), self.step.tolerance, self.step.max_iterations);
         }
-        Ok(BranchTree { branches, not_followed: registry.n_open() })
+        let crossings = || branches.iter().flat_map(|b| &b.branch.crossings);
+        let complete = crossings().all(|c| c.complete);
+        let kernel = crossings().map(|c| c.kernel).fold(1, usize::max);
+        Ok(BranchTree { branches, not_followed: registry.n_open(), complete, kernel })
     }
 }

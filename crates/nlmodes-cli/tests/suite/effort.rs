@@ -8,16 +8,15 @@ use serde_json::Value;
 use tempfile::tempdir;
 
 /// Scene, its settings, and the maximum number of evaluations for its branch: a tenth above the actual one, to allow
-/// for another compiler's rounding. The two beams pass a nonsmooth point on several boundaries, where half-branches are
-/// sought on spheres: a check across such a point alone mistook the tip of the rod's loop for a kink.
+/// for another compiler's rounding.
 const MOST: [(&str, &str, u64); 7] = [
-    ("rod", "method.harmonics=3", 900),
+    ("rod", "method.harmonics=3", 803),
     ("rod", "method.harmonics=20", 1885),
-    ("rod", "method.symmetry=none", 950),
+    ("rod", "method.symmetry=none", 827),
     ("beam", "method.harmonics=5", 282),
-    ("beam_two_stops", "output.figures=false", 602),
+    ("beam_two_stops", "output.figures=false", 570),
     ("beam_ten_stops", "method.harmonics=3", 405),
-    ("rod_two_stops", "output.figures=false", 400),
+    ("rod_two_stops", "output.figures=false", 394),
 ];
 
 #[test]

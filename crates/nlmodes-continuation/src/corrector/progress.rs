@@ -55,7 +55,7 @@ mod tests {
     fn steps_rest_where_three_in_a_row_are_not_shorter_in_any_unit() {
         for unit in [1.0, 1e-9] {
             let seen = |steps: &[f64]| seen(&steps.iter().map(|step| unit * step).collect::<Vec<f64>>());
-            // Towards a crossing each step is half the one before; so they go on.
+            // Towards a branch point each step is half the one before; so they go on.
             assert_eq!(seen(&[1.0, 0.5, 0.25, 0.125, 0.0625]), (false, false));
             assert_eq!(seen(&[1.0, 0.1, 0.09, 0.11]), (false, true));
             assert_eq!(seen(&[1.0, 0.1, 0.09, 0.11, 0.1]), (true, true));

@@ -37,6 +37,14 @@ impl Surface {
         matches!(self, Self::Plane(_))
     }
 
+    /// That of a sphere.
+    pub(super) fn radius(&self) -> Option<f64> {
+        match self {
+            Self::Plane(_) => None,
+            Self::Sphere { radius, .. } => Some(*radius),
+        }
+    }
+
     /// Signed distance of `z` from the surface, for a sphere to first order.
     pub(super) fn defect(&self, z: &[f64]) -> f64 {
         match self {

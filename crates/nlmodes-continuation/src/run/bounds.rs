@@ -28,13 +28,13 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
         };
         for bound in &self.settings.bounds {
             let end = first.as_ref().map_or(end, |(_, last)| last);
-            let length = dot(&end.z, &self.foot.tangent) - dot(&self.foot.z, &self.foot.tangent);
-            if !may_peak_beyond(bound, &self.foot.z, &self.foot.tangent, end) {
+            let length = dot(&end.z, &self.base.tangent) - dot(&self.base.z, &self.base.tangent);
+            if !may_peak_beyond(bound, &self.base.z, &self.base.tangent, end) {
                 continue;
             }
             let sense = -end.tangent[bound.coordinate].signum();
-            let foot = &self.foot;
-            let mut search = Search { system: self.system, corrector: &mut self.corrector, foot, end, h: length };
+            let base = &self.base;
+            let mut search = Search { system: self.system, corrector: &mut self.corrector, base, end, h: length };
             let Root { s, point, .. } = search.root(|c| sense * c.tangent[bound.coordinate]);
             if let Some(value) = bound.passed_by(point.z[bound.coordinate]) {
                 first = Some(self.on_bound(bound.coordinate, value, &point, s)?);
@@ -43,17 +43,17 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
         Ok(first)
     }
 
-    /// The bound that a chord from the foot passes first.
+    /// The bound that a chord from the base point passes first.
     fn bound_ahead(&self, to: &[f64]) -> Option<(usize, f64)> {
         let crossed = self.settings.bounds.iter().filter_map(|b| {
-            let (from, to) = (self.foot.z[b.coordinate], to[b.coordinate]);
+            let (from, to) = (self.base.z[b.coordinate], to[b.coordinate]);
             let value = b.passed_by(to)?;
             Some((((value - from) / (to - from)).clamp(0.0, 1.0), b.coordinate, value))
         });
         crossed.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, coordinate, value)| (coordinate, value))
     }
 
-    /// The point on a bound beyond which `end` lies, at the distance `h` along the tangent of the foot.
+    /// The point on a bound beyond which `end` lies, at the distance `h` along the tangent of the base point.
     fn on_bound(
         &mut self,
         coordinate: usize,
@@ -61,26 +61,26 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
         end: &Correction,
         h: f64,
     ) -> Result<(StopReason, Correction), Refusal> {
-        let before = (value - self.foot.z[coordinate]).signum();
-        // From a guess off the branch, Newton's method could find another arm on the bound.
-        let mut search = Search { system: self.system, corrector: &mut self.corrector, foot: &self.foot, end, h };
+        let before = (value - self.base.z[coordinate]).signum();
+        // From a guess off the branch, Newton's method could find another half-branch on the bound.
+        let mut search = Search { system: self.system, corrector: &mut self.corrector, base: &self.base, end, h };
         let guess = search.root(|c| before * (value - c.z[coordinate])).point.z;
         let last = self.on_plane(&guess, Hyperplane::fixing(coordinate, value, guess.len()), end);
-        let last = last.filter(|last| distance(&last.z, &guess) <= OFF_BRANCH * distance(&end.z, &self.foot.z));
+        let last = last.filter(|last| distance(&last.z, &guess) <= OFF_BRANCH * distance(&end.z, &self.base.z));
         let mut last = last.ok_or(Refusal::BoundNotLocated { coordinate, value })?;
         // But for rounding it is there.
         last.z[coordinate] = value;
         Ok((StopReason::Bound { coordinate, value }, last))
     }
 
-    /// Keeps the point on a bound between the foot and the first point beyond a corner or a crossing, and says why the
-    /// branch ends; `None` if there is no bound in between.
+    /// Keeps the point on a bound between the base point and the first point beyond a kink or a branch point, and says
+    /// why the branch ends; `None` if there is no bound in between.
     pub(super) fn bound_before(&mut self, next: &Correction) -> Option<ControlFlow<StopReason, StopReason>> {
         let (coordinate, value) = self.bound_ahead(&next.z)?;
-        let (from, to) = (self.foot.z[coordinate], next.z[coordinate]);
+        let (from, to) = (self.base.z[coordinate], next.z[coordinate]);
         let share = (value - from) / (to - from);
-        let guess: Vec<f64> = self.foot.z.iter().zip(&next.z).map(|(a, b)| a + share * (b - a)).collect();
-        let length = distance(&next.z, &self.foot.z);
+        let guess: Vec<f64> = self.base.z.iter().zip(&next.z).map(|(a, b)| a + share * (b - a)).collect();
+        let length = distance(&next.z, &self.base.z);
         let last = self.on_plane(&guess, Hyperplane::fixing(coordinate, value, guess.len()), next);
         let Some(last) = last.filter(|last| distance(&last.z, &guess) <= length) else {
             let refusal = Refusal::BoundNotLocated { coordinate, value };
@@ -100,24 +100,24 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
         let Some(first) = self.branch.points.first() else { return Ok(None) };
         let (z, tangent) = (first.z(), first.tangent.clone());
         let ahead = |at: &[f64]| dot(at, &tangent) - dot(&z, &tangent);
-        let passes = ahead(&self.foot.z) < 0.0 && ahead(&end.z) >= 0.0 && distance(&end.z, &z) < 2.0 * h;
+        let passes = ahead(&self.base.z) < 0.0 && ahead(&end.z) >= 0.0 && distance(&end.z, &z) < 2.0 * h;
         if !passes || dot(&end.tangent, &tangent) < 0.5 {
             return Ok(None);
         }
         let last = self.on_plane(&z, Hyperplane::through(&z, &tangent), end).ok_or(Refusal::StartNotLocated)?;
-        let gap = distance(&last.z, &self.foot.z) - distance(&z, &self.foot.z);
+        let gap = distance(&last.z, &self.base.z) - distance(&z, &self.base.z);
         let is_start = distance(&last.z, &z) < 1e-6 && gap.abs() < 1e-6 && self.leads_to(&last);
         Ok(is_start.then_some(last))
     }
 
     /// Whether the branch itself, corrected across its own tangent, goes through this point of the step.
     fn leads_to(&mut self, c: &Correction) -> bool {
-        let s = dot(&c.z, &self.foot.tangent) - dot(&self.foot.z, &self.foot.tangent);
-        let reached = reach(self.system, &mut self.corrector, &self.foot, s);
+        let s = dot(&c.z, &self.base.tangent) - dot(&self.base.z, &self.base.tangent);
+        let reached = reach(self.system, &mut self.corrector, &self.base, s);
         reached.is_ok_and(|r| distance(&r.z, &c.z) < 1e-6)
     }
 
-    /// The solution on a plane between the foot and `end`, with its tangent in the direction of travel.
+    /// The solution on a plane between the base point and `end`, with its tangent in the direction of travel.
     fn on_plane(&mut self, guess: &[f64], plane: Hyperplane, end: &Correction) -> Option<Correction> {
         let mut last = self.corrector.correct(self.system, guess, &Surface::Plane(plane)).ok()?;
         if dot(&last.tangent, &end.tangent) < 0.0 {

@@ -6,7 +6,7 @@ use super::{Run, Taken, point};
 use crate::corrector::Correction;
 use crate::events::{Located, Search};
 use crate::predictor::Behind;
-use crate::step::Foot;
+use crate::step::BasePoint;
 use crate::vectors::{distance, dot};
 use crate::{BranchPoint, EventKind, ParametricSystem, StopReason};
 
@@ -16,7 +16,7 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
     pub(super) fn accept(&mut self, taken: Taken, h: f64, next: f64) -> ControlFlow<StopReason, f64> {
         let Taken { end, crossing, last, changes, border, .. } = &taken;
         let changes = if last.is_none() { changes.clone() } else { None };
-        let ahead = |c: &Correction| dot(&c.z, &self.foot.tangent) - dot(&self.foot.z, &self.foot.tangent);
+        let ahead = |c: &Correction| dot(&c.z, &self.base.tangent) - dot(&self.base.z, &self.base.tangent);
         let length = last.as_ref().map_or(h, |(_, last)| ahead(last));
         let crossing = crossing.clone().filter(|(located, _)| located.s <= length);
         let way = crossing.as_ref().map(|(_, choice)| self.choose(choice));
@@ -24,7 +24,7 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
         match (crossing, way) {
             (Some((mut located, choice)), Some(way)) if way != Some(choice.own) => {
                 let start = &choice.arms[way.unwrap_or(choice.own)];
-                // What turns does so at the crossing, where the Jacobian has no tangent to offer.
+                // What turns does so at the branch point, where the Jacobian has no tangent to offer.
                 let turned = if way.is_some() { self.folds.update(&start.tangent) } else { Vec::new() };
                 located.kinds.extend(turned.into_iter().map(|(_, kind)| kind));
                 let (s, point) = (located.s, located.point.clone());
@@ -39,7 +39,7 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
             (None, _) => self.keep_events(end, None, changes, length)?,
         }
         self.go_to(end, Vec::new())?;
-        self.foot.border.clone_from(border);
+        self.base.border.clone_from(border);
         last.as_ref().map_or(ControlFlow::Continue(next), |(stop, _)| ControlFlow::Break(stop.clone()))
     }
 
@@ -65,7 +65,7 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
         if h <= 0.0 {
             return ControlFlow::Continue(());
         }
-        let mut search = Search { system: self.system, corrector: &mut self.corrector, foot: &self.foot, end, h };
+        let mut search = Search { system: self.system, corrector: &mut self.corrector, base: &self.base, end, h };
         let changes = changes.unwrap_or_else(|| search.pattern_changes());
         for located in search.all(turned, changes.into_iter().chain(crossing)) {
             self.keep(point(&located.point, located.kinds))?;
@@ -75,12 +75,12 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
 
     /// Keeps a point from which the branch goes on.
     pub(super) fn go_to(&mut self, c: &Correction, events: Vec<EventKind>) -> ControlFlow<StopReason> {
-        let mut foot = Foot::from(c);
-        let distance = distance(&foot.z, &self.foot.z);
-        self.before = (distance > 0.0).then_some((self.foot.regularity, distance));
-        let smooth = self.before.is_some() && foot.pattern == self.foot.pattern;
-        foot.behind = smooth.then(|| Behind { z: self.foot.z.clone(), tangent: self.foot.tangent.clone() });
-        self.foot = foot;
+        let mut base = BasePoint::from(c);
+        let distance = distance(&base.z, &self.base.z);
+        self.before = (distance > 0.0).then_some((self.base.regularity, distance));
+        let smooth = self.before.is_some() && base.pattern == self.base.pattern;
+        base.behind = smooth.then(|| Behind { z: self.base.z.clone(), tangent: self.base.tangent.clone() });
+        self.base = base;
         let n = c.z.len() - 1;
         self.system.accepted(&c.z[..n], c.z[n]);
         self.keep(point(c, events))

@@ -6,7 +6,7 @@ use std::rc::Rc;
 use super::Run;
 use crate::predictor::Behind;
 use crate::record::StepRecord;
-use crate::step::Foot;
+use crate::step::BasePoint;
 use crate::{ParametricSystem, StopReason};
 
 /// Residual, over that in the log, up to which a point of the log solves the equations: the rest is rounding. Below the
@@ -16,8 +16,8 @@ const SOLVED: f64 = 1e-9;
 const UNSOLVED: f64 = 1e-3;
 
 impl<E: std::error::Error + 'static> Run<'_, '_, E> {
-    /// Whether points and arms of a step of an earlier run solve the equations, as well as they did then: a file may
-    /// have been altered.
+    /// Whether points and half-branches of a step of an earlier run solve the equations, as well as they did then: a
+    /// file may have been altered.
     pub(super) fn holds(&mut self, record: &StepRecord) -> bool {
         if !record.is_of(self.system.dim()) {
             return false;
@@ -27,7 +27,7 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
         let arms = record.crossing.iter().flat_map(|choice| &choice.arms).map(|arm| (arm.z.clone(), arm.residual));
         let holds = points.chain(arms).all(|(z, residual)| match self.corrector.evaluate(self.system, &z) {
             Ok(now) => now <= (WORSE * residual).clamp(SOLVED, UNSOLVED),
-            // The foot of a corner, where the residual may not exist.
+            // The base point of a kink, where the residual may not exist.
             Err(_) => residual.is_infinite(),
         });
         self.corrector.evaluations = evaluations;
@@ -49,13 +49,13 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
             return ControlFlow::Continue(h);
         }
         if let Some(last) = self.branch.points.last() {
-            // Behind a corner the Jacobian is not known; nor is it that of another step at the start.
+            // Behind a kink the Jacobian is not known; nor is it that of another step at the start.
             if from > 0 {
-                self.row = record.before.map(|_| self.foot.tangent.clone());
+                self.row = record.before.map(|_| self.base.tangent.clone());
             }
-            let behind = Behind { z: self.foot.z.clone(), tangent: self.foot.tangent.clone() };
-            let smooth = record.before.is_some() && last.pattern == self.foot.pattern;
-            self.foot = Foot {
+            let behind = Behind { z: self.base.z.clone(), tangent: self.base.tangent.clone() };
+            let smooth = record.before.is_some() && last.pattern == self.base.pattern;
+            self.base = BasePoint {
                 border: None,
                 behind: smooth.then_some(behind),
                 z: last.z(),
@@ -82,20 +82,20 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
         record.stop.map_or(ControlFlow::Continue(record.next), ControlFlow::Break)
     }
 
-    /// Tells the system of the foot: what it holds there, such as a phase, is in the Jacobian of the steps behind, not
-    /// in that of the foot itself.
+    /// Tells the system of the base point: what it holds there, such as a phase, is in the Jacobian of the steps
+    /// behind, not in that of the base point itself.
     pub(super) fn accept_foot(&mut self) {
-        if let Some((p, x)) = self.foot.z.split_last() {
+        if let Some((p, x)) = self.base.z.split_last() {
             self.system.accepted(x, *p);
         }
     }
 
-    /// The Jacobian at the foot, as it was found when the last of the repeated steps was taken: before the system was
-    /// told of it.
+    /// The Jacobian at the base point, as it was found when the last of the repeated steps was taken: before the system
+    /// was told of it.
     pub(super) fn restore_border(&mut self) {
         let Some(row) = self.row.take() else { return };
         let evaluations = self.corrector.evaluations;
-        self.foot.border = self.corrector.border_at(self.system, &self.foot.z, &row).map(Rc::new);
+        self.base.border = self.corrector.border_at(self.system, &self.base.z, &row).map(Rc::new);
         self.corrector.evaluations = evaluations;
     }
 
@@ -112,8 +112,8 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
         };
         let record = StepRecord {
             points: self.branch.points[from..].to_vec(),
-            orientation: self.foot.orientation,
-            regularity: self.foot.regularity,
+            orientation: self.base.orientation,
+            regularity: self.base.regularity,
             blur: if self.corrector.is_blurred() { self.corrector.blur } else { 0.0 },
             rounding: self.corrector.rounding.clone(),
             before: self.before,

@@ -3,21 +3,20 @@
 use super::{Crossing, Run, between};
 use crate::corrector::Correction;
 use crate::events::Located;
-use crate::meeting;
 use crate::pencil::Bordered;
 use crate::step::reach;
 use crate::vectors::along;
 use crate::{EventKind, Refusal};
 
-/// Most corrections of the place of such a crossing, and the change that ends them.
+/// Most corrections of the place of such a branch point, and the change that ends them.
 const CORRECTIONS: usize = 6;
 const SETTLED: f64 = 1e-9;
 
 impl<E: std::error::Error + 'static> Run<'_, '_, E> {
-    /// The crossing at these shares of a short step, where the Jacobian becomes singular more than once.
+    /// The branch point at these shares of a short step, where the Jacobian becomes singular more than once.
     ///
     /// # Errors
-    /// If no other arms leave from there, and the step can be shortened: it may have jumped to another curve.
+    /// If no other half-branches leave from there, and the step can be shortened: it may have jumped to another curve.
     pub(super) fn several_passed(
         &mut self,
         end: &Correction,
@@ -30,15 +29,10 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
         }
         let mean = singular.iter().sum::<f64>() / singular.len() as f64;
         let located = self.singular_point(mean * h, end, h);
-        let tangent = between(&self.foot.tangent, &end.tangent, located.s / h);
-        let center = &located.point.z;
         // Where a contact sets in, the Jacobian changes unevenly: it may seem to become singular and be regular all the
         // way.
-        let choice = if self.becomes_singular(center, border) {
-            meeting::of_several(self.system, &mut self.corrector, &self.control.limits, center, &tangent)
-        } else {
-            None
-        };
+        let is_singular = self.becomes_singular(&located.point.z, border);
+        let choice = if is_singular { self.arms_at(&located, end, h) } else { None };
         match choice {
             Some(choice) => Ok(Some((located, choice))),
             None if h > 10.0 * self.control.limits.min => Err(Refusal::CloseCurves),
@@ -46,18 +40,19 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
         }
     }
 
-    /// The point next to `s` at which the Jacobian is singular: secant steps in terms of the Jacobian at the foot.
+    /// The point next to `s` at which the Jacobian is singular: secant steps in terms of the Jacobian at the base
+    /// point.
     fn singular_point(&mut self, mut s: f64, end: &Correction, h: f64) -> Located {
         let mut found = None;
         for _ in 0..CORRECTIONS {
             // The point itself may be out of reach, for the bordered Jacobian is singular there.
             let mut beside = [0.0, -10.0 * SETTLED, 10.0 * SETTLED].into_iter();
             let reached =
-                beside.find_map(|d| Some((s + d, reach(self.system, &mut self.corrector, &self.foot, s + d).ok()?)));
+                beside.find_map(|d| Some((s + d, reach(self.system, &mut self.corrector, &self.base, s + d).ok()?)));
             let Some((at, c)) = reached else { break };
             let here = self.corrector.border();
             found = Some((at, c));
-            let share = here.zip(self.foot.border.as_ref()).and_then(|(here, foot)| here.nearest_singular(foot));
+            let share = here.zip(self.base.border.as_ref()).and_then(|(here, base)| here.nearest_singular(base));
             let Some(next) = share.map(|share| (share * at).clamp(0.0, h)) else { break };
             let moved = (next - at).abs();
             s = next;
@@ -69,9 +64,9 @@ impl<E: std::error::Error + 'static> Run<'_, '_, E> {
         if let Some((s, point)) = found {
             return Located { s, kinds, point };
         }
-        let z = along(&self.foot.z, s, &self.foot.tangent);
+        let z = along(&self.base.z, s, &self.base.tangent);
         let residual = self.corrector.evaluate(self.system, &z).unwrap_or(f64::INFINITY);
-        let tangent = between(&self.foot.tangent, &end.tangent, s / h);
+        let tangent = between(&self.base.tangent, &end.tangent, s / h);
         Located { s, kinds, point: Correction { z, tangent, residual, iterations: 0, ..end.clone() } }
     }
 }

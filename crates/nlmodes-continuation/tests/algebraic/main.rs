@@ -1,6 +1,7 @@
 //! Continuation of algebraic systems whose curves, folds, corners and crossings are known.
 
 mod bends;
+mod cells;
 mod corners;
 mod crossings;
 mod effort;

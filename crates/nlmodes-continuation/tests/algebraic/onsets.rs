@@ -112,7 +112,7 @@ fn all_arms_of_a_point_at_which_stops_are_reached_at_once_are_found_without_curv
             let crossing = &branch.crossings[0];
             let sizes = (0..count).map(|_| a).chain([unit]);
             assert!(crossing.z.iter().zip(sizes).all(|(z, size)| (z / size).abs() < 1e-7), "{case}");
-            assert_eq!((crossing.arms.len() + 1, crossing.unsearched), (1 << count, 0), "{case}");
+            assert_eq!((crossing.arms.len() + 1, crossing.complete), (1 << count, true), "{case}");
             // Each is another one, that has all but these stops open.
             let mut sets: Vec<u64> = crossing
                 .arms

@@ -101,3 +101,20 @@ fn a_curve_that_begins_where_it_turns_has_no_fold_before_it_moves() {
         );
     }
 }
+
+/// `(x − 1)² = (1 − p)³`: both halves of the curve have the same tangent at its tip.
+#[test]
+fn a_cusp_is_passed_from_one_half_to_the_other() {
+    let f = |x: f64, p: f64| [(x - 1.0).powi(2) - (1.0 - p).powi(3), 2.0 * (x - 1.0), 3.0 * (1.0 - p).powi(2)];
+    for start in 0..20 {
+        let p = 0.1 + 0.0137 * f64::from(start);
+        let branch = trace(&window(1, 0.0, 2.0), smooth(f), [1.0 + (1.0 - p).powi(3).sqrt(), p], [-1.0, 1.0]);
+        assert_eq!(
+            branch.stop,
+            StopReason::Bound { coordinate: 1, value: 0.0 },
+            "from {p}: {:?}",
+            branch.points.last()
+        );
+        assert!(branch.points.last().unwrap().x[0].abs() < 1e-9, "from {p}");
+    }
+}

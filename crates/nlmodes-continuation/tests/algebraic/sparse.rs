@@ -167,8 +167,8 @@ fn all_arms_of_the_double_branch_point_of_a_square_are_found() {
         let along: Vec<f64> = (0..=n).map(|j| if j == n { 1.0 } else { 0.0 }).collect();
         let settings = window(n, 0.0, double + 0.3 * (double - first));
         let branch = followed(&settings, Sparse(Square { m }), (&vec![0.0; n], 0.3317 * first), &along);
-        let found: Vec<(usize, usize)> = branch.crossings.iter().map(|c| (c.arms.len(), c.unsearched)).collect();
-        assert_eq!(found, [(3, 0), (9, 0)], "m = {m}");
+        let found: Vec<(usize, usize)> = branch.crossings.iter().map(|c| (c.arms.len(), c.kernel)).collect();
+        assert_eq!(found, [(3, 2), (9, 3)], "m = {m}");
         let off = |k: usize, p: f64| (branch.crossings[k].z[n] - p).abs();
         assert!(off(0, first) < 1e-6 && off(1, double) < 1e-6, "m = {m}");
     }
