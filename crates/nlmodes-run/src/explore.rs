@@ -69,7 +69,7 @@ use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::Structures;
 
 use crate::branches::curve::BranchCurve;
-use crate::curve::picture::{self, MOST_POINTS};
+use crate::curve::picture::MOST_POINTS;
 use crate::settings::{Models, branch_settings, models_sharing, starts};
 use crate::{RunError, refusal};
 
@@ -124,5 +124,5 @@ pub fn picture(file: &SceneFile, watch: Watch, structures: &Structures) -> Resul
         false => ControlFlow::Continue(()),
     };
     let computed = compute_branch(massless, &settings, going_on).map_err(|error| refusal::of_branch(file, &error))?;
-    picture::picture(&file.scene, &BranchCurve::new(&computed, &[]), &watch)
+    crate::curve::picture::picture(&file.scene, &BranchCurve::new(&computed, &[]), &watch)
 }
