@@ -121,6 +121,14 @@ impl OpenModes {
         Ok(open)
     }
 
+    /// Standard deviation that the digits of the matrices leave of the frequency of a mode (from 1), over that
+    /// frequency; none where the digits are not known, or the mode strains nothing.
+    pub fn left_open(&self, mode: usize) -> Option<f64> {
+        let mode = mode.checked_sub(1)?;
+        let square = self.omega_squared.get(mode).copied().filter(|square| *square > 0.0)?;
+        self.openness.deviations.get(mode).map(|deviation| 0.5 * deviation / square)
+    }
+
     /// Whether there are no other modes: as many as degrees of freedom with mass.
     pub fn has_all_modes(&self) -> bool {
         // A row without mass on the diagonal has none beside it.

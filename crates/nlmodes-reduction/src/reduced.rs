@@ -1,4 +1,4 @@
-use nlmodes_linalg::{DenseLu, Mat, Triplet, sparse_from_triplets};
+use nlmodes_linalg::{DenseLu, Mat, Triplet, multiply_many, multiply_transposed, sparse_from_triplets};
 use nlmodes_model::{Contact, Dof, DofKind, Side, StructuralModel};
 
 use crate::{OpenModes, ReductionError};
@@ -29,6 +29,7 @@ pub struct ReducedStructure {
     stiffness: Mat<f64>,
     /// `Y` of the directions.
     rows: Mat<f64>,
+    least_share: f64,
 }
 
 impl ReducedStructure {
@@ -38,18 +39,43 @@ impl ReducedStructure {
     /// [`ReductionError::Dimension`]; [`ReductionError::DependentContact`] if the motion of a contact follows from
     /// those of others, or from the retained modes alone; [`ReductionError::Model`].
     pub fn new(open: &OpenModes, places: &[(usize, f64)]) -> Result<Self, ReductionError> {
+        Self::with_directions(open, places, |_| (1.0, DofKind::Contact))
+    }
+
+    /// The same of a structure along an axis with these degrees of freedom: the displacement of a contact at a single
+    /// one counts as that does, not toward the stop, and keeps its name.
+    ///
+    /// # Errors
+    /// As [`ReducedStructure::new`].
+    pub fn along_axes(open: &OpenModes, places: &[(usize, f64)], dofs: &[Dof]) -> Result<Self, ReductionError> {
+        Self::with_directions(open, places, |column| match column {
+            // `g = g₀ + w q`: the stop is on the negative side.
+            [(dof, w)] => (if *w > 0.0 { -1.0 } else { 1.0 }, dofs[*dof].kind),
+            _ => (1.0, DofKind::Contact),
+        })
+    }
+
+    /// `of` gives −1 for the columns of contact directions against which displacements count, and what these are.
+    fn with_directions(
+        open: &OpenModes,
+        places: &[(usize, f64)],
+        of: impl Fn(&[(usize, f64)]) -> (f64, DofKind),
+    ) -> Result<Self, ReductionError> {
         let (c, m) = (open.n_contacts(), open.n_modes());
         if places.len() != c {
             return Err(ReductionError::Dimension { what: "places of the contacts", expected: c, found: places.len() });
         }
-        let (first, direction_of) = directions(open);
+        let (first, mut direction_of) = directions(open);
         let d = first.len();
+        let (turned, kinds): (Vec<f64>, Vec<DofKind>) = first.iter().map(|&i| of(&column(open, i))).unzip();
+        direction_of.iter_mut().for_each(|(d, sign)| *sign *= turned[*d]);
         let lent = lent(open, &direction_of, d);
-        let a =
-            Mat::from_fn(d, d, |i, j| open.flexibility()[(first[i], first[j])] + if i == j { lent[i] } else { 0.0 });
-        refuse_dependent(open, &first, &a)?;
+        let a = Mat::from_fn(d, d, |i, j| {
+            turned[i] * turned[j] * open.flexibility()[(first[i], first[j])] + if i == j { lent[i] } else { 0.0 }
+        });
+        let least_share = least_share(open, &first, &a)?;
         let stiffness = inverse(&a)?;
-        let rows = Mat::from_fn(d, m, |i, r| open.contact_rows()[(first[i], r)]);
+        let rows = Mat::from_fn(d, m, |i, r| turned[i] * open.contact_rows()[(first[i], r)]);
         let pressed = &stiffness * &rows;
         let entries = entries(&squares(open, &rows), &rows, &pressed, &stiffness);
         let failed = ReductionError::during("the reduced structure");
@@ -58,10 +84,11 @@ impl ReducedStructure {
         let failed = ReductionError::during("the reduced structure");
         let mass = sparse_from_triplets(m + d, m + d, &units).map_err(failed)?;
         let modal = (0..m).map(|r| Dof { node: r, position: 0.0, kind: DofKind::Modal });
-        let touching = first.iter().map(|&i| Dof { node: places[i].0, position: places[i].1, kind: DofKind::Contact });
+        let touching = first.iter().zip(kinds);
+        let touching = touching.map(|(&i, kind)| Dof { node: places[i].0, position: places[i].1, kind });
         let contacts = (0..c).map(|i| stop(open, (i, lent[direction_of[i].0]), m, direction_of[i])).collect();
         let model = StructuralModel::new(mass, k, modal.chain(touching).collect(), contacts)?;
-        Ok(Self { model, direction_of, stiffness, rows })
+        Ok(Self { model, direction_of, stiffness, rows, least_share })
     }
 
     /// The structure: modal coordinates, then the displacement of each direction.
@@ -69,13 +96,49 @@ impl ReducedStructure {
         &self.model
     }
 
-    /// Forces along the directions at the coordinates `x = (η, u)`, N: `f = −A⁻¹ (u + Y η)`, and of contacts that share
-    /// one their difference.
-    pub fn direction_forces(&self, x: &[f64]) -> Vec<f64> {
+    /// Displacements of degrees of freedom of the structure that was reduced, of coordinates `x = (η, u)`, column by column: `q = Φ η + (K⁻¹ − Φ Ω⁻² Φᵀ) W λ` with the contact forces `λ` of `u + Y η = −A f`.
+    ///
+    /// # Panics
+    /// If `x` or `open` has another size, or there is no such degree of freedom.
+    pub fn displacements(&self, open: &OpenModes, dofs: &[usize], x: &Mat<f64>) -> Mat<f64> {
         let (m, d) = (self.rows.ncols(), self.rows.nrows());
-        let free = |i: usize| x[m + i] + (0..m).map(|r| self.rows[(i, r)] * x[r]).sum::<f64>();
-        let off: Vec<f64> = (0..d).map(free).collect();
-        (0..d).map(|i| -(0..d).map(|j| self.stiffness[(i, j)] * off[j]).sum::<f64>()).collect()
+        let eta = x.subrows(0, m).to_owned();
+        let off = &self.rows * &eta + x.subrows(m, d);
+        let forces = &self.stiffness * &off;
+        let mut lambda = Mat::zeros(open.n_contacts(), x.ncols());
+        // One contact of each direction carries the force of all.
+        let mut carried = vec![false; d];
+        for (contact, (direction, sign)) in self.direction_of.iter().enumerate() {
+            if !std::mem::replace(&mut carried[*direction], true) {
+                (0..x.ncols()).for_each(|j| lambda[(contact, j)] = -sign * forces[(*direction, j)]);
+            }
+        }
+        open.displacements(dofs, &eta, &lambda)
+    }
+
+    /// The coordinates `x = (η, u)` of displacements that are a motion of the reduced structure, column by column:
+    /// `η = Φᵀ M q`, and `u` the displacement along each direction.
+    ///
+    /// # Panics
+    /// If `q` or `open` has another size.
+    pub fn coordinates(&self, open: &OpenModes, q: &Mat<f64>) -> Mat<f64> {
+        let (m, d) = (self.rows.ncols(), self.rows.nrows());
+        let eta = open.shapes().transpose() * multiply_many(&open.residual.mass, q);
+        let gaps = multiply_transposed(open.directions(), q);
+        let mut x = Mat::zeros(m + d, q.ncols());
+        for j in 0..q.ncols() {
+            (0..m).for_each(|r| x[(r, j)] = eta[(r, j)]);
+            for (contact, (direction, sign)) in self.direction_of.iter().enumerate() {
+                x[(m + direction, j)] = -sign * gaps[(contact, j)];
+            }
+        }
+        x
+    }
+
+    /// Least flexibility of a contact beyond the retained modes, the other contacts held, over its whole static
+    /// flexibility: digits are lost in proportion to its inverse. One of a structure without contacts.
+    pub fn least_share(&self) -> f64 {
+        self.least_share
     }
 
     /// The direction of each contact, and +1, or −1 where it is met from the other side.
@@ -144,14 +207,16 @@ fn lent(open: &OpenModes, direction_of: &[(usize, f64)], directions: usize) -> V
     (0..directions).map(|d| if is_short(d) { LENT * least(d) } else { 0.0 }).collect()
 }
 
+/// The degrees of freedom along the normal of a contact, with their shares.
+fn column(open: &OpenModes, contact: usize) -> Vec<(usize, f64)> {
+    let w = open.directions();
+    let rows = w.symbolic().row_idx_of_col_raw(contact).iter().copied();
+    rows.zip(w.val_of_col(contact).iter().copied()).filter(|entry| entry.1 != 0.0).collect()
+}
+
 /// The first contact of each direction, and of each contact its direction and sign.
 fn directions(open: &OpenModes) -> (Vec<usize>, Vec<(usize, f64)>) {
-    let w = open.directions();
-    let column = |i: usize| -> Vec<(usize, f64)> {
-        let entries = w.symbolic().row_idx_of_col_raw(i).iter().copied().zip(w.val_of_col(i).iter().copied());
-        entries.filter(|entry| entry.1 != 0.0).collect()
-    };
-    let columns: Vec<Vec<(usize, f64)>> = (0..open.n_contacts()).map(column).collect();
+    let columns: Vec<Vec<(usize, f64)>> = (0..open.n_contacts()).map(|i| column(open, i)).collect();
     // Those of one direction begin at one degree of freedom.
     let mut known = std::collections::HashMap::<usize, Vec<usize>>::new();
     let (mut first, mut direction_of) = (Vec::<usize>::new(), Vec::new());
@@ -176,18 +241,20 @@ fn sign(a: &[(usize, f64)], b: &[(usize, f64)]) -> Option<f64> {
     [1.0, -1.0].into_iter().find(|sign| is(*sign))
 }
 
-/// Pivots of `A`: what is left of the flexibility of a contact with those before it held.
-fn refuse_dependent(open: &OpenModes, first: &[usize], a: &Mat<f64>) -> Result<(), ReductionError> {
-    let (mut l, n) = (a.clone(), first.len());
+/// Least pivot of `A`, what is left of the flexibility of a contact with those before it held, over the static
+/// flexibility of that contact.
+fn least_share(open: &OpenModes, first: &[usize], a: &Mat<f64>) -> Result<f64, ReductionError> {
+    let (mut l, n, mut least) = (a.clone(), first.len(), 1.0_f64);
     for k in 0..n {
         let elastic = open.omega_squared().iter().enumerate().filter(|(_, w)| **w > 1e-6 * open.residual.shift);
         let modal: f64 = elastic.map(|(r, w)| open.contact_rows()[(first[k], r)].powi(2) / w).sum();
         // Of an elastic stop, what it yields itself is enough.
         let whole = a[(k, k)] + if open.stop_compliance()[first[k]] > 0.0 { 0.0 } else { modal };
-        if l[(k, k)].is_nan() || l[(k, k)] <= RIGID * whole {
-            let (contact, left) = (first[k], l[(k, k)] / whole);
-            return Err(ReductionError::DependentContact { contact, left, retained: open.n_modes() });
+        let left = l[(k, k)] / whole;
+        if left.is_nan() || left <= RIGID {
+            return Err(ReductionError::DependentContact { contact: first[k], left, retained: open.n_modes() });
         }
+        least = least.min(left);
         for i in k + 1..n {
             let factor = l[(i, k)] / l[(k, k)];
             if factor != 0.0 {
@@ -195,7 +262,7 @@ fn refuse_dependent(open: &OpenModes, first: &[usize], a: &Mat<f64>) -> Result<(
             }
         }
     }
-    Ok(())
+    Ok(least)
 }
 
 fn inverse(a: &Mat<f64>) -> Result<Mat<f64>, ReductionError> {

@@ -2,6 +2,7 @@
 
 pub(crate) mod curve;
 mod page;
+pub(crate) mod physical;
 mod references;
 pub mod repeated;
 mod several;
@@ -34,6 +35,7 @@ use crate::style::style_of;
 use crate::updating::updated;
 use crate::{Event, Failure, Observer, Over, RunError, doubts, links, mass, no_contact, refusal};
 use curve::BranchCurve;
+pub(crate) use physical::recover;
 use sink::{Sink, branch_directory};
 
 /// Computes the branches of scenes that differ in their method only, and writes their files into the directory that the
@@ -117,22 +119,24 @@ fn one_branch(
     if let Some(failure) = sink.failure.take().or(journal.failure) {
         return Err(unwritable(failure, !sink.is_empty()));
     }
-    let tree = tree.map_err(|error| refusal::of_branch_in(file, open.as_ref(), &error))?;
+    let mut tree = tree.map_err(|error| refusal::of_branch_in(file, open.as_ref(), &error))?;
     let points_time = began.elapsed();
     let thorough = observer.certifies() && !observer.is_cancelled();
     let watch = observer.watch();
-    let sources = Sources { scene, open: open.as_ref(), shift: mass::shift(scene, &modes), thorough, watch: &watch };
+    let shift = mass::shift(scene, &modes);
+    let sources = Sources { scene, open: open.as_ref(), shift, thorough, points_time, watch: &watch };
     let mut look = |check, point, number| {
         observer.event(Event::Looking { check, point, number });
         !observer.is_cancelled()
     };
     let certificates: Vec<Certificate> =
         tree.branches.iter().map(|branch| Certificate::of(branch, sources, &mut look)).collect();
-    let certificate_time = began.elapsed().saturating_sub(points_time);
+    let found = whole(scene, &model, &massless, &modes, &tree);
+    open.iter().for_each(|open| recover(scene, open, &mut tree.branches));
     let laid = tree.branches.first().map(|first| Overlaid::new(laid, &BranchCurve::new(first, &[])));
-    let (written, linear, participation) = match whole(scene, &model, &massless, &modes, &tree) {
+    let (written, linear, participation) = match found {
         Ok((mut linear, participation)) => {
-            open.iter().for_each(|open| linear.mark(&open.strainless));
+            open.iter().for_each(|open| linear.mark(&open.modes, &open.strainless));
             let is_shown = scene.files.figures || scene.files.page;
             let curves: Vec<BranchCurve<'_>> =
                 tree.branches.iter().zip(&participation).map(|(one, found)| BranchCurve::new(one, found)).collect();
@@ -163,7 +167,6 @@ fn one_branch(
         participation,
         certificates,
         points_time,
-        certificate_time,
         compared: laid.as_ref().map(Overlaid::lines).unwrap_or_default(),
         wall_time: began.elapsed(),
         failure: written.err(),
@@ -260,7 +263,7 @@ fn write(
     for (number, curve) in curves.iter().enumerate() {
         tables::write(&branch_directory(directory, number), &[*curve])?;
     }
-    starts::write(directory, &tree.branches)?;
+    starts::write(directory, scene, about.open, &tree.branches)?;
     summary::write(directory, (scene, about), (tree, certificates), began.elapsed())?;
     let Some(first) = curves.first() else { return Ok(()) };
     tables::write_motions(directory, &scene.files, &[*first])?;

@@ -68,7 +68,7 @@ use nlmodes::modal::ModalPoint;
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::Structures;
 
-use crate::branches::curve::BranchCurve;
+use crate::branches::{curve::BranchCurve, recover};
 use crate::curve::picture::MOST_POINTS;
 use crate::settings::{Models, branch_settings, models_sharing, starts};
 use crate::{RunError, refusal};
@@ -105,7 +105,7 @@ pub fn picture(file: &SceneFile, watch: Watch, structures: &Structures) -> Resul
     if !file.scene.responses.is_empty() {
         return crate::responses::picture(file, &watch, structures);
     }
-    let Models { model: _, massless, .. } = models_sharing(file, structures)?;
+    let Models { model: _, massless, open } = models_sharing(file, structures)?;
     let plain = branch_settings(&file.scene);
     let settings = BranchSettings {
         start: starts(file.scene.continuation.start()).0,
@@ -123,6 +123,8 @@ pub fn picture(file: &SceneFile, watch: Watch, structures: &Structures) -> Resul
         true => ControlFlow::Break(()),
         false => ControlFlow::Continue(()),
     };
-    let computed = compute_branch(massless, &settings, going_on).map_err(|error| refusal::of_branch(file, &error))?;
+    let mut computed =
+        compute_branch(massless, &settings, going_on).map_err(|error| refusal::of_branch(file, &error))?;
+    open.iter().for_each(|open| recover(&file.scene, open, [&mut computed]));
     crate::curve::picture::picture(&file.scene, &BranchCurve::new(&computed, &[]), &watch)
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use nlmodes::model::{MassShift, MasslessContactModel, StructuralModel};
-use nlmodes_scene::scene::{MassRule, MethodKind, Scene};
+use nlmodes_scene::scene::Scene;
 use nlmodes_scene::{SceneFile, number};
 
 use crate::open_modes::OpenLinearModes;
@@ -73,22 +73,10 @@ fn hertz(omega: f64) -> String {
 fn text(scene: &Scene, shift: &MassShift) -> String {
     let [with, without] = [shift.with_mass, shift.without_mass].map(hertz);
     let percent = 100.0 * shift.relative();
-    let rule = scene.method.mass_redistribution;
-    let keep = match rule {
-        MassRule::Drop => ", or keep it with method.mass_redistribution = \"conserve\" (or \"move\")",
-        MassRule::Move => ", or method.mass_redistribution = \"conserve\"",
-        MassRule::Conserve | MassRule::None => "",
-    };
-    let kind = match scene.method.kind {
-        MethodKind::MsHbm | MethodKind::Shooting => {
-            ", or take method.kind = \"hbm\" with an elastic stop, whose contacts keep their mass"
-        }
-        MethodKind::Hbm => "",
-    };
     format!(
-        "taking the mass of the contact nodes away ({name}) moves mode {mode} from {with} to {without} Hz ({percent:+.1} %), and all that \
-         follows with it: refine the mesh around the stop{keep}{kind}, or take reduction.kind = \"open-modes\", which leaves the linear modes as they are",
-        name = rule.name(),
+        "taking the mass of the contact nodes away ({rule}) moves mode {mode} from {with} to {without} Hz \
+         ({percent:+.1} %): reduction.kind = \"open-modes\" keeps all of it",
+        rule = scene.method.mass_redistribution.name(),
         mode = shift.mode,
     )
 }

@@ -29,7 +29,9 @@ use crate::Diagnostics;
 use crate::check::contact::Body;
 use crate::check::response::Places;
 use crate::raw::{RawAnalysis, RawBodiesScene, RawMatrixScene, RawMethod, RawScene, RawStructure};
-use crate::scene::{Contact, MassRule, Method, OutputFiles, Overlay, ReductionKind, Scene, SceneStructure, Structure};
+use crate::scene::{
+    Contact, MassRule, Method, MethodKind, OutputFiles, Overlay, ReductionKind, Scene, SceneStructure, Structure,
+};
 
 /// What a scene computes with, as far as its other tables have to fit it.
 pub struct Subject<'a> {
@@ -112,7 +114,12 @@ fn rest(
     diagnostics: &mut Diagnostics<'_>,
 ) -> Option<Scene> {
     let is_along = matches!(subject.places, Places::Along(_));
-    let default = if is_along { ReductionKind::HeldModes } else { ReductionKind::OpenModes };
+    // No mass is taken away unless the scene asks for it: by a rule for the mass of the contacts or by modes with held
+    // contacts; the springs of harmonic balance stand at nodes that keep their mass.
+    let method = &raw.method;
+    let names_held = method.mass_redistribution.is_some() || method.held_modes.is_some();
+    let is_held = is_along && (names_held || method.kind == Some(MethodKind::Hbm));
+    let default = if is_held { ReductionKind::HeldModes } else { ReductionKind::OpenModes };
     let kind = raw.reduction.and_then(|reduction| reduction.kind).unwrap_or(default);
     let is_open = kind == ReductionKind::OpenModes;
     // No contact of open modes has mass: what the scene says of it has no effect.
@@ -152,6 +159,7 @@ fn rest(
         overlays: overlays(raw.overlay.as_deref(), base),
         files: ascending(output.files),
         stability: output.stability,
+        require: output.require,
         warnings: Vec::new(),
     })
 }

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 
 use nlmodes::branches::{ComputedBranch, Histories, figure_points, reference_points};
-use nlmodes::modal::{ModalBranch, Participation, TimeHistory};
+use nlmodes::modal::{Coordinate, ModalBranch, Participation, TimeHistory};
 use nlmodes::model::DofContact;
 use nlmodes::report::StopLine;
 use nlmodes::report::columns::ResponseRow;
@@ -51,16 +51,20 @@ impl Curve for BranchCurve<'_> {
     }
 
     fn stops(&self) -> Vec<StopLine> {
-        let structure = &self.computed.structure;
+        let (structure, coordinates) = (&self.computed.structure, &self.branch().coordinates);
         let line = |contact: &DofContact| {
+            let dof = structure.model().dofs()[contact.dof];
+            let is_there = |c: &Coordinate| c.kind == dof.kind.name() && c.position == dof.position;
+            // What is recorded is numbered, which of large structures is not every degree of freedom; displacements that
+            // are recovered from free-interface modes have numbers of their own.
+            let recorded = structure.recorded_index(contact.dof);
+            let recorded = recorded.filter(|&k| coordinates.get(k).is_some_and(is_there));
             Some(StopLine {
-                // What is recorded is numbered, which of large structures is not every degree of freedom.
-                coordinate: structure.recorded_index(contact.dof)?,
+                coordinate: recorded.or_else(|| coordinates.iter().position(is_there))?,
                 position: contact.side.sign() * contact.gap,
                 positive: contact.side.sign() > 0.0,
             })
         };
-        // Contacts are among the recorded ones, whatever the size.
         structure.model().contacts().iter().filter_map(line).collect()
     }
 

@@ -115,8 +115,8 @@ fn linear_table(found: &LinearFrequencies) -> DataTable {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::branches::curve::BranchCurve;
-    use crate::settings::{branch_settings, models};
+    use crate::branches::{curve::BranchCurve, physical};
+    use crate::settings::{Models, branch_settings, models};
     use nlmodes::branches::{BranchSettings, compute_branch};
     use std::ops::ControlFlow;
 
@@ -133,9 +133,10 @@ mod tests {
             );
             let files =
                 nlmodes_scene::parse_each_method("rod.toml", &text, &[]).map_err(|refused| refused.text(false))?;
-            let massless = models(&files[0])?.massless;
+            let Models { massless, open, .. } = models(&files[0])?;
             let settings = BranchSettings { held_modes: Some(20), ..branch_settings(&files[0].scene) };
-            let computed = compute_branch(massless, &settings, |_| ControlFlow::Continue(()))?;
+            let mut computed = compute_branch(massless, &settings, |_| ControlFlow::Continue(()))?;
+            open.iter().for_each(|open| physical::recover(&files[0].scene, open, [&mut computed]));
             let stops = BranchCurve::new(&computed, &[]).stops();
             let at: Vec<f64> = stops.iter().map(|stop| computed.branch.coordinates[stop.coordinate].position).collect();
             assert!(at.len() == 2 && (at[0] - 1.0).abs() < 1e-9 && (at[1] - 0.5).abs() < 1e-9, "{elements}: {at:?}");

@@ -19,6 +19,9 @@ pub fn branch(
     solver: &str,
 ) -> Result<(ComputedBranch, Duration), BranchError> {
     let settings = BranchSettings { contact_solver: solver.to_owned(), ..branch_settings(scene) };
+    // With a number of modes the motions of contacts are the unknowns, however many contacts there are.
+    let all = scene.is_in_open_modes().then(|| model.linear_dofs().len());
+    let settings = BranchSettings { held_modes: settings.held_modes.or(all), ..settings };
     let one_way = |start| {
         let settings = BranchSettings { start, ..settings.clone() };
         compute_branch(model.clone(), &settings, |_| ControlFlow::Continue(()))

@@ -154,7 +154,7 @@ fn modes(
 }
 
 /// All degrees of freedom, or evenly chosen ones and those of the contacts; and what they are.
-fn recorded(dofs: &[Dof], open: &OpenModes) -> (Vec<usize>, Vec<Coordinate>) {
+pub fn recorded(dofs: &[Dof], open: &OpenModes) -> (Vec<usize>, Vec<Coordinate>) {
     let n = dofs.len();
     let mut chosen: Vec<usize> = if n <= MAX_RECORDED {
         (0..n).collect()

@@ -5,15 +5,16 @@ use std::path::{Path, PathBuf};
 
 use nlmodes::branches::{BranchError, ComputedBranch};
 use nlmodes::modal::HarmonicCoefficients;
-use nlmodes::model::MasslessContactModel;
+use nlmodes::model::{Dof, MasslessContactModel};
 use nlmodes::timestep::{MAX_DOFS, TimestepError};
 use serde::Deserialize;
 
 use super::error::VerifyError;
+use crate::branches::physical;
 use crate::chain;
 use crate::files::STARTS;
 use crate::lcp::Archive;
-use nlmodes_scene::assemble::{contact_model, structural_model};
+use nlmodes_scene::assemble::{Assembly, OpenStructure, contact_model};
 use nlmodes_scene::scene::{MethodKind, Scene, Structure, Symmetry};
 
 const SUMMARY: &str = "summary.json";
@@ -80,16 +81,21 @@ impl Point {
         if found > MAX_DOFS {
             return Err(TimestepError::TooLarge { found, most: MAX_DOFS }.into());
         }
-        let model = model(&scene)?;
-        let (omega, coefficients) = read_point(&path, number, &model)?;
+        let (model, open) = model(&scene)?;
+        let dofs = open.as_ref().map_or(model.dofs(), |open| &open.dofs);
+        let (omega, mut coefficients) = read_point(&path, number, dofs)?;
         if scene.method.accuracy.is_none() && coefficients.n_harmonics() != scene.method.harmonics {
             let (found, expected) = (coefficients.n_harmonics().to_string(), scene.method.harmonics.to_string());
             return Err(VerifyError::Foreign { what: "number of harmonics", found, expected });
         }
-        let start = match scene.method.kind {
-            MethodKind::Shooting => read_start(&directory.join(STARTS), number, &model)?,
+        let mut start = match scene.method.kind {
+            MethodKind::Shooting => read_start(&directory.join(STARTS), number, dofs.len())?,
             MethodKind::MsHbm | MethodKind::Hbm => None,
         };
+        if let Some(open) = &open {
+            coefficients = physical::reduced(open, &coefficients);
+            start = start.map(|start| physical::reduced_state(open, &start));
+        }
         Ok(Self { number, title: scene.title, model, omega, coefficients, start, symmetry: scene.method.symmetry })
     }
 
@@ -133,18 +139,21 @@ fn read_summary(directory: &Path) -> Result<Summary, VerifyError> {
     serde_json::from_str(&text).map_err(|source| VerifyError::NotASummary { path, source })
 }
 
-fn model(scene: &Scene) -> Result<MasslessContactModel, VerifyError> {
-    let model = structural_model(scene).map_err(|error| VerifyError::Structure { reason: chain(&error) })?;
-    contact_model(scene, &model).map_err(|error| VerifyError::Structure { reason: chain(&error) })
+/// The model that the method works on, and the free-interface modes in which it is, where the files have displacements
+/// of the structure instead.
+fn model(scene: &Scene) -> Result<(MasslessContactModel, Option<OpenStructure>), VerifyError> {
+    let Assembly { model, open } =
+        Assembly::of(scene).map_err(|error| VerifyError::Structure { reason: chain(&error) })?;
+    let model = contact_model(scene, &model).map_err(|error| VerifyError::Structure { reason: chain(&error) })?;
+    Ok((model, open.filter(|_| scene.structure.straight().is_some())))
 }
 
 /// Displacements at the beginning of one point; `None` without the file, the motion then starts from its coefficients.
-fn read_start(path: &Path, number: usize, model: &MasslessContactModel) -> Result<Option<Vec<f64>>, VerifyError> {
+fn read_start(path: &Path, number: usize, n: usize) -> Result<Option<Vec<f64>>, VerifyError> {
     if !path.is_file() {
         return Ok(None);
     }
     let found = Archive::open(path)?.array("displacement")?;
-    let n = model.dofs().len();
     let row = match found.shape.as_slice() {
         &[points, coordinates] if coordinates == n && number < points => &found.values[number * n..(number + 1) * n],
         shape => {
@@ -160,11 +169,7 @@ fn read_start(path: &Path, number: usize, model: &MasslessContactModel) -> Resul
 }
 
 /// Frequency and coefficients of one point of the archive.
-fn read_point(
-    path: &Path,
-    number: usize,
-    model: &MasslessContactModel,
-) -> Result<(f64, HarmonicCoefficients), VerifyError> {
+fn read_point(path: &Path, number: usize, dofs: &[Dof]) -> Result<(f64, HarmonicCoefficients), VerifyError> {
     let mut archive = Archive::open(path)?;
     let names = archive.names();
     for name in ["omega", "coefficients", "dof_position_m"] {
@@ -175,7 +180,7 @@ fn read_point(
     let (omega, positions) = (archive.array("omega")?, archive.array("dof_position_m")?);
     let (shape, values) = archive.complex("coefficients")?;
     let foreign = |what, found: String, expected: String| Err(VerifyError::Foreign { what, found, expected });
-    let n = model.dofs().len();
+    let n = dofs.len();
     let &[points, coordinates, width] = shape.as_slice() else {
         return foreign("dimensions of `coefficients`", shape.len().to_string(), "3".into());
     };
@@ -185,9 +190,9 @@ fn read_point(
     if coordinates != n || width == 0 {
         return foreign("degrees of freedom", coordinates.to_string(), n.to_string());
     }
-    let length = model.dofs().iter().fold(0.0_f64, |m, d| m.max(d.position.abs()));
-    let near = |(found, dof): (&f64, &nlmodes::model::Dof)| (found - dof.position).abs() <= 1e-9 * length;
-    if positions.values.len() != n || !positions.values.iter().zip(model.dofs()).all(near) {
+    let length = dofs.iter().fold(0.0_f64, |m, d| m.max(d.position.abs()));
+    let near = |(found, dof): (&f64, &Dof)| (found - dof.position).abs() <= 1e-9 * length;
+    if positions.values.len() != n || !positions.values.iter().zip(dofs).all(near) {
         return foreign("degrees of freedom", "at other places".into(), "those of the scene".into());
     }
     if number >= points {

@@ -56,7 +56,9 @@ impl OpenStructure {
         };
         let contacts: Vec<(usize, f64)> = model.contacts().iter().map(place).collect();
         let modes = OpenModes::of_model(model, count(scene, model.dofs().len())?)?;
-        let (modes, reduced) = pressed(scene, modes, &contacts)?;
+        let damped: Vec<bool> = scene.contacts.iter().map(|contact| contact.damping.is_some()).collect();
+        let reduced = |modes: &OpenModes| ReducedStructure::along_axes(modes, &contacts, model.dofs());
+        let (modes, reduced) = pressed(scene, modes, &damped, reduced)?;
         Ok(Self {
             modes,
             reduced,
@@ -74,7 +76,9 @@ impl OpenStructure {
         let strainless = strainless(&model, &modes)?;
         let at = |node: u64| model.place_of(node).map_or(0.0, |place| place[0]);
         let contacts: Vec<(usize, f64)> = found.iter().map(|c| (c.node as usize, at(c.node))).collect();
-        let (modes, reduced) = pressed(scene, modes, &contacts)?;
+        let damped: Vec<bool> = found.iter().map(|contact| contact.damping.is_some()).collect();
+        let reduced = |modes: &OpenModes| ReducedStructure::new(modes, &contacts);
+        let (modes, reduced) = pressed(scene, modes, &damped, reduced)?;
         let dofs = dofs(&model);
         Ok(Self { modes, reduced, dofs, contacts, files: Some((model, found)), strainless })
     }
@@ -82,14 +86,6 @@ impl OpenStructure {
     /// Largest frequency of the retained modes, Hz.
     pub fn highest_hz(&self) -> f64 {
         self.modes.omega_squared().last().map_or(0.0, |w| w.max(0.0).sqrt() / TAU)
-    }
-
-    /// Standard deviation that the digits of the files leave of the frequency of a mode (from 1), over it; none where
-    /// they are not known, or the mode strains nothing.
-    pub fn left_open(&self, mode: usize) -> Option<f64> {
-        let mode = mode.checked_sub(1)?;
-        let square = self.modes.omega_squared().get(mode).copied().filter(|square| *square > 0.0)?;
-        self.modes.openness().deviations.get(mode).map(|deviation| 0.5 * deviation / square)
     }
 
     /// Estimate of what the truncation does to the frequency of the scene's mode with its first contact closed, from
@@ -160,25 +156,38 @@ fn count(scene: &Scene, dofs: usize) -> Result<ModeCount, StructureError> {
     })
 }
 
-/// The reduced structure. Where the scene does not say how many modes are retained and these leave nothing that could
-/// be pressed, fewer are.
+/// Share of its static flexibility that each contact keeps beyond the modes, where the scene does not say how many of
+/// these are retained: with less, digits are lost in the stiffness of the reduced structure.
+const WELL_CONDITIONED: f64 = 1e-5;
+
+/// The reduced structure. Where the scene does not say how many modes are retained and these leave the contacts next to
+/// no flexibility of their own, fewer are; a stop with a damper (`damped`) needs one as a rigid stop does.
 fn pressed(
     scene: &Scene,
     mut modes: OpenModes,
-    contacts: &[(usize, f64)],
+    damped: &[bool],
+    reduced: impl Fn(&OpenModes) -> Result<ReducedStructure, ReductionError>,
 ) -> Result<(OpenModes, ReducedStructure), StructureError> {
     let is_said = scene.reduction.is_some_and(|asked| asked.modes.is_some() || asked.up_to_hz.is_some());
     loop {
-        match ReducedStructure::new(&modes, contacts) {
+        let found = reduced(&modes);
+        let fewer = modes.n_modes() - modes.n_modes().div_ceil(4);
+        let can_have_fewer = !is_said && fewer >= scene.method.mode;
+        match found {
+            Ok(reduced) if well_conditioned(&modes, &reduced, damped) => return Ok((modes, reduced)),
+            Ok(_) | Err(ReductionError::DependentContact { .. }) if can_have_fewer => modes = modes.truncated(fewer)?,
             Ok(reduced) => return Ok((modes, reduced)),
-            Err(error @ ReductionError::DependentContact { .. }) => {
-                let fewer = modes.n_modes() * 3 / 4;
-                if is_said || fewer <= scene.method.mode {
-                    return Err(error.into());
-                }
-                modes = modes.truncated(fewer)?;
-            }
             Err(error) => return Err(error.into()),
         }
     }
+}
+
+fn well_conditioned(modes: &OpenModes, reduced: &ReducedStructure, damped: &[bool]) -> bool {
+    let share = |contact: usize| {
+        let (own, elastic) = (modes.flexibility()[(contact, contact)], modes.omega_squared().iter().enumerate());
+        let elastic = elastic.filter(|(_, square)| **square > 0.0);
+        own / (own + elastic.map(|(r, square)| modes.contact_rows()[(contact, r)].powi(2) / square).sum::<f64>())
+    };
+    let of_damped = (0..damped.len()).filter(|&contact| damped[contact]).map(share);
+    of_damped.fold(reduced.least_share(), f64::min) >= WELL_CONDITIONED
 }

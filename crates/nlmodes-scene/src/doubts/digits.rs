@@ -15,7 +15,7 @@ const SMALL: f64 = 1e-3;
 /// A frequency of which the last digits leave more open than that.
 pub(super) fn doubt(scene: &Scene, open: &OpenStructure, model: &FeModel) -> Option<String> {
     let mode = scene.method.mode;
-    let share = open.left_open(mode).filter(|share| *share > SMALL)?;
+    let share = open.modes.left_open(mode).filter(|share| *share > SMALL)?;
     let hz = open.modes.omega_squared().get(mode.checked_sub(1)?)?.max(0.0).sqrt() / TAU;
     Some(format!(
         "the stiffness is known to {}, which leaves mode {mode} ({} Hz) open by ±{} (standard deviation): that of \

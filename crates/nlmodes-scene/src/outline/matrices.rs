@@ -147,7 +147,7 @@ fn frequencies(open: &OpenStructure) -> String {
 fn left_open(scene: &Scene, open: &OpenStructure, model: &FeModel) -> Vec<Row> {
     let mode = scene.method.mode.max(open.strainless.count() + 1);
     let mut rows = Vec::new();
-    if let Some(share) = open.left_open(mode).filter(|share| *share > NOTHING) {
+    if let Some(share) = open.modes.left_open(mode).filter(|share| *share > NOTHING) {
         rows.push(row(
             "digits",
             format!(

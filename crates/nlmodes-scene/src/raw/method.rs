@@ -37,8 +37,8 @@ pub struct RawMethod {
     /// 32 times `harmonics`. Exact switching has no use for it
     #[schemars(range(min = 4, max = MAX_SAMPLES))]
     pub samples: Option<u32>,
-    /// What happens to the mass of the contact degrees of freedom; default: "drop" for ms-hbm and shooting, "none" for
-    /// hbm
+    /// What happens to the mass of the contact degrees of freedom of a rod or beam: "drop", "move" and "conserve" are
+    /// rules of massless contact nodes; default: none is taken away
     pub mass_redistribution: Option<MassRule>,
     /// Solver of the contact problem
     #[schemars(extend("default" = "active-set"))]

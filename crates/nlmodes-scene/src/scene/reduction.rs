@@ -11,7 +11,8 @@ const MAX_MODES: u32 = 10_000;
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Reduction {
     /// Modes with open contacts and the static flexibility of all others, which moves no mass, or modes with held
-    /// contacts, whose nodes lose their mass; default: "open-modes" for matrices, "held-modes" for rods and beams
+    /// contacts, whose nodes lose their mass; default: "open-modes", but "held-modes" for a rod or beam whose scene has
+    /// `method.mass_redistribution` or `method.held_modes`, or is for hbm
     pub kind: Option<ReductionKind>,
     /// Number of open modes that are retained; default: those up to four times the highest harmonic
     #[serde(default, skip_serializing_if = "Option::is_none")]

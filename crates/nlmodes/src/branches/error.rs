@@ -29,7 +29,9 @@ pub enum BranchError {
     #[error("shooting finds motions that are even in time; others need harmonic balance")]
     NotEven,
     /// What was asked for exists for harmonic balance only.
-    #[error("the points of this branch are exact motions: they have no equations in harmonics")]
+    #[error(
+        "the unknowns of this branch are not harmonics of its contacts: it is by shooting, or in free-interface modes"
+    )]
     NotHarmonic,
     /// The backbone does not lead to the starting frequency.
     #[error("no point of the backbone was found at {hz} Hz: {reason}")]

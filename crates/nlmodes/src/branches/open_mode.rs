@@ -66,7 +66,6 @@ fn is_suited(model: &MasslessContactModel, settings: &BranchSettings) -> bool {
     model.contact_coordinates() == ContactCoordinates::Nodes
         && model.contact_dofs().len() > FEW
         && model.linear_dofs().iter().all(|&i| dofs[i].kind == DofKind::Modal)
-        && model.contact_dofs().iter().all(|&i| dofs[i].kind == DofKind::Contact)
         && model.contacts().iter().all(|contact| contact.gap > 0.0)
         && settings.method == BranchMethod::HarmonicBalance
         && settings.accuracy.is_none()
