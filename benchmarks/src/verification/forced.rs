@@ -130,7 +130,8 @@ fn settings(low: f64, high: f64, harmonics: usize) -> ResponseSettings {
 }
 
 fn last(curve: &ResponseCurve) -> Result<&ResponsePoint, Failure> {
-    let is_there = curve.end.has(EndReason::FrequencyWindow) || curve.end.has(EndReason::Limit);
+    let ends = [EndReason::FrequencyWindow, EndReason::Limit, EndReason::MaxEnergy];
+    let is_there = ends.into_iter().any(|reason| curve.end.has(reason));
     match curve.points.last() {
         Some(point) if is_there => Ok(point),
         _ => Err(format!("the curve ended early: {}", curve.end.message).into()),

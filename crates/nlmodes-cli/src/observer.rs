@@ -81,10 +81,8 @@ impl Observer for TerminalObserver {
                 interrupt::something_found();
                 self.note(told::part(part, quiet));
                 self.compared(&part.compared);
-                match (self.options.certify, quiet) {
-                    (true, false) => self.print(part.certificates_text().trim_end()),
-                    (false, false) => part.not_to_use().iter().for_each(|text| self.print(text)),
-                    (_, true) => {}
+                if !quiet {
+                    self.print(part.certificates_text().trim_end());
                 }
             }
             Event::TestBeginsAnew if !quiet => {

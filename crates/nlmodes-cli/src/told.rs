@@ -23,6 +23,9 @@ pub fn part(part: &PartOutcome, quiet: bool) -> Status {
         } else if !quiet && print(&ending.line) != Status::Done {
             status = Status::EndedEarly;
         }
+        if !quiet && !ending.curve.is_empty() {
+            _ = print(&ending.curve);
+        }
     }
     if status == Status::EndedEarly {
         say!("What was found is in {directory}");
@@ -38,5 +41,9 @@ pub fn part(part: &PartOutcome, quiet: bool) -> Status {
             part.scene.continuation.max_branches
         );
     }
-    if quiet { Status::Done } else { print(&format!("Results in {directory}")) }
+    match (quiet, part.scene.files.page) {
+        (true, _) => Status::Done,
+        (false, true) => print(&format!("Results in {directory}: open {directory}/report.html")),
+        (false, false) => print(&format!("Results in {directory}")),
+    }
 }

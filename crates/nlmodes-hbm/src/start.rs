@@ -295,9 +295,7 @@ fn vibrates(structure: &CondensedStructure, omega: f64) -> bool {
 fn has_mass_behind_contacts(structure: &CondensedStructure) -> bool {
     let (model, mass) = (&structure.model, structure.model.mass());
     let together = |kind: DofKind, of: DofKind| {
-        kind == of
-            || (of == DofKind::Deflection && kind == DofKind::Rotation)
-            || (of == DofKind::Contact && kind == DofKind::Modal)
+        kind == of || (of == DofKind::Deflection && kind == DofKind::Rotation) || kind == DofKind::Modal
     };
     let moves = |dof: DofKind| model.contacts().iter().any(|c| together(dof, model.dofs()[c.dof].kind));
     (0..model.dofs().len()).any(|i| moves(model.dofs()[i].kind) && mass.get(i, i).is_some_and(|m| *m > 0.0))

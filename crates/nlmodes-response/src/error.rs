@@ -52,7 +52,8 @@ pub enum ResponseError {
     },
     /// The level could not be reached at the end of the window from rest.
     #[error(
-        "at {} Hz the level {level} could not be reached from rest: the curve over the level ends at {reached} ({why})",
+        "at {} Hz the level {level} could not be reached from rest: the curve over the level ends at {reached:.3e} \
+         ({why})",
         hz(omega)
     )]
     NoStart {

@@ -1,8 +1,8 @@
-//! Verification report: checks of the numbers of a branch, and which of them not to use.
+//! Verification report: the estimated error of each number of a branch, and checks that its equations hold.
 //!
-//! A [`Check`] is a comparison: its value is a relative change, its limit the permitted one. A check that was not made
-//! states this and how to have it made; it counts neither for nor against a number. From the checks each [`Number`]
-//! gets a verdict: to be used, not to be used, or not shown.
+//! A [`Check`] is a comparison. One of the equations has a limit and passes or fails; one that estimates what something
+//! neglected does to a [`Number`] has none: from all of these each number gets its [`NumberError`], the sources of
+//! different kinds as independent ones. A check that was not made states why, and how to have it made.
 
 mod contacts;
 mod energy;
@@ -15,19 +15,22 @@ mod table;
 #[cfg(test)]
 mod tests;
 
+use std::collections::{BTreeMap, HashSet};
+use std::time::Duration;
+
 use nlmodes::branches::{ComputedBranch, Watch};
 use nlmodes::modal::ModalPoint;
 use nlmodes::model::MassShift;
 use nlmodes::report::HtmlReport;
 use nlmodes_scene::assemble::OpenStructure;
-use nlmodes_scene::scene::Scene;
+use nlmodes_scene::scene::{Requirement, Scene};
 use serde::Serialize;
 
-pub use numbers::{Number, NumberUse, Use};
+pub use numbers::{ErrorSource, Met, Number, NumberError, SourceKind};
 pub use points::{Place, PointInDoubt};
 pub use table::tables;
 
-/// The verification report of a branch: checks, and verdicts on its numbers.
+/// The verification report of a branch: the errors of its numbers, and the checks.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Certificate {
     /// All of it in a sentence.
@@ -36,24 +39,16 @@ pub struct Certificate {
     pub thorough: bool,
     /// Points at which point-wise checks were made; nothing is known of the others.
     pub points: Vec<Place>,
-    /// Those of them that did not pass a check, and those that do not solve the equations.
+    /// Those at which equations do not hold, a required error is not met, or no motion to compare with was found.
     pub points_in_doubt: Vec<PointInDoubt>,
     /// What was compared, or could have been.
     pub checks: Vec<Check>,
-    /// The numbers of the results, and whether to use them.
-    pub numbers: Vec<NumberUse>,
-}
-
-impl Certificate {
-    /// Its text, with the name of the branch after the first word: a sentence, and why each number is to be used or
-    /// not.
-    pub fn text(&self, name: &str) -> String {
-        let number = |number: &NumberUse| {
-            let (what, usable) = (number.number.name(), number.usable.name());
-            format!("  {what}: {usable}: {}\n", number.words)
-        };
-        format!("Certificate{name}: {}\n", self.verdict) + &self.numbers.iter().map(number).collect::<String>()
-    }
+    /// The numbers of the results, and their errors; beside the report in `summary.json`.
+    #[serde(skip)]
+    pub errors: Vec<NumberError>,
+    /// Number of all points.
+    #[serde(skip)]
+    all: usize,
 }
 
 /// How a check came out.
@@ -64,40 +59,40 @@ pub enum CheckOutcome {
     Good,
     /// Beyond it.
     Doubtful,
+    /// An estimated error, which has no limit of its own.
+    Estimated,
     /// Not computed.
-    NotLookedAt,
+    NotMade,
 }
 
 /// A comparison.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Check {
-    /// What is looked at.
+    /// What is compared.
     pub name: &'static str,
-    /// The number that it speaks of; all where there is none.
+    /// The number to which it applies; all where there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub number: Option<Number>,
+    /// What is neglected, for an estimate.
+    #[serde(skip)]
+    pub source: Option<ErrorSource>,
     /// How it came out.
     pub outcome: CheckOutcome,
     /// The largest change that was found, relative; none where nothing was.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub value: Option<f64>,
-    /// The point with this value, among those checked.
-    #[serde(skip)]
-    pub point: Option<usize>,
-    /// Where that is on the curve.
+    /// The point with this value, and where that is on the curve.
     #[serde(flatten)]
     pub place: Option<Place>,
-    /// The points checked, for a point-wise check.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub looked: Vec<usize>,
-    /// The points, of these or of all, that did not pass.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub failed: Vec<usize>,
+    /// The points of a point-wise check, and the value of each.
+    #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "points::of_values")]
+    pub looked: Vec<(usize, f64)>,
     /// Those from which no motion was found to compare with.
     #[serde(skip_serializing_if = "Vec::is_empty", serialize_with = "points::numbers")]
     pub lost: Vec<Place>,
-    /// The largest that is good.
-    pub limit: f64,
+    /// The largest that is good, for a check of the equations.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit: Option<f64>,
     /// What was compared, or why not.
     pub words: String,
     /// How to have it made, if it was not.
@@ -106,79 +101,83 @@ pub struct Check {
 }
 
 impl Check {
-    pub(crate) fn found(
-        name: &'static str,
-        number: Option<Number>,
-        value: f64,
-        limit: f64,
-        words: impl Into<String>,
-    ) -> Self {
+    /// A check of the equations, good up to `limit`.
+    pub(crate) fn found(name: &'static str, value: f64, limit: f64, words: impl Into<String>) -> Self {
         let outcome = if value <= limit { CheckOutcome::Good } else { CheckOutcome::Doubtful };
         let value = value.is_finite().then_some(value);
-        Self { outcome, value, how: None, ..Self::missing(name, number, limit, words, "") }
+        Self { outcome, value, how: None, limit: Some(limit), ..Self::missing(name, None, words, "") }
     }
 
-    /// With the points checked, and the one with this value.
+    /// An estimate of what something neglected does to a number.
+    pub(crate) fn estimate(
+        name: &'static str,
+        (number, source): (Number, ErrorSource),
+        value: f64,
+        words: impl Into<String>,
+    ) -> Self {
+        Self { number: Some(number), source: Some(source), ..Self::measured(name, value, words) }
+    }
+
+    /// A measure of the motion that is the error of no number.
+    pub(crate) fn measured(name: &'static str, value: f64, words: impl Into<String>) -> Self {
+        let (outcome, value) = (CheckOutcome::Estimated, value.is_finite().then_some(value));
+        Self { outcome, value, how: None, ..Self::missing(name, None, words, "") }
+    }
+
+    /// With the value at each point.
     fn at(self, worst: &Worst) -> Self {
-        let looked = worst.all.iter().map(|(point, _)| *point).collect();
-        self.where_it_failed(worst).looking_at(looked)
+        Self { looked: worst.all.clone(), ..self }
     }
 
-    fn looking_at(self, looked: Vec<usize>) -> Self {
-        Self { looked, ..self }
-    }
-
-    /// With the points at which it failed, and that where its value was found.
-    fn where_it_failed(self, worst: &Worst) -> Self {
-        // NaN does not pass either.
-        let is_good = |value: f64| value <= self.limit;
-        let failed = worst.all.iter().filter(|(_, value)| !is_good(*value)).map(|(point, _)| *point).collect();
-        Self { point: (worst.value != 0.0).then_some(worst.point), failed, ..self }
-    }
-
-    /// Doubtful, since from these points no motion was found to compare with.
-    fn without(mut self, lost: &[Place]) -> Self {
-        if !lost.is_empty() {
-            self.outcome = CheckOutcome::Doubtful;
-            self.lost = lost.to_vec();
-            let points = || lost.iter().map(|place| place.point);
-            self.looked.extend(points());
-            self.failed.extend(points());
-            self.looked.sort_unstable();
-            self.failed.sort_unstable();
-        }
-        self
+    /// From these points no motion was found to compare with.
+    fn without(self, lost: &[Place]) -> Self {
+        Self { lost: lost.to_vec(), ..self }
     }
 
     pub(crate) fn missing(
         name: &'static str,
         number: Option<Number>,
-        limit: f64,
         words: impl Into<String>,
         how: &'static str,
     ) -> Self {
         Self {
             name,
             number,
-            outcome: CheckOutcome::NotLookedAt,
+            source: None,
+            outcome: CheckOutcome::NotMade,
             value: None,
-            point: None,
             place: None,
             looked: Vec::new(),
-            failed: Vec::new(),
             lost: Vec::new(),
-            limit,
+            limit: None,
             words: words.into(),
-            how: Some(how),
+            how: (!how.is_empty()).then_some(how),
         }
+    }
+
+    /// Whether it compares with motions of more harmonics.
+    fn is_truncation(&self) -> bool {
+        self.source.as_ref().is_some_and(|source| source.kind == SourceKind::Harmonics)
+    }
+
+    /// The points that fail a limit.
+    fn failed(&self) -> impl Iterator<Item = usize> {
+        // NaN does not pass either.
+        let fails = |value: f64| self.limit.is_some_and(|limit| value.is_nan() || value > limit);
+        self.looked.iter().filter(move |(_, value)| fails(*value)).map(|(point, _)| *point)
+    }
+
+    /// The point of the largest value, if that is not zero.
+    fn worst(&self) -> Option<usize> {
+        let largest = self.looked.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        (largest.1 != 0.0).then_some(largest.0)
     }
 }
 
-/// The largest change, its point, and the change at each point.
+/// The largest change, and the change at each point.
 #[derive(Debug, Clone, Default)]
 struct Worst {
     value: f64,
-    point: usize,
     all: Vec<(usize, f64)>,
 }
 
@@ -187,7 +186,7 @@ impl Worst {
     fn take(&mut self, point: usize, value: impl Into<Option<f64>>) {
         let Some(value) = value.into() else { return };
         if value.is_nan() || value > self.value {
-            (self.value, self.point) = (value, point);
+            self.value = value;
         }
         self.all.push((point, value));
     }
@@ -217,6 +216,8 @@ pub struct Sources<'a> {
     pub shift: Option<MassShift>,
     /// Whether all is computed that can be, or only what costs next to nothing.
     pub thorough: bool,
+    /// How long the points of the branch took.
+    pub points_time: Duration,
     /// Who may end what takes long.
     pub watch: &'a Watch,
 }
@@ -225,85 +226,105 @@ impl Certificate {
     /// Of a branch.
     pub fn of(computed: &ComputedBranch, sources: Sources<'_>, look: Looking<'_>) -> Self {
         let (points, all) = (few_points(computed), &computed.branch.points);
-        let mut checks = vec![
-            residual(all.iter().map(|point| point.residual)),
-            contacts::complementarity(computed, &points),
-            energy::drift(computed, &points, sources),
-        ];
+        let mut checks =
+            vec![residual(all.iter().map(|point| point.residual)), contacts::complementarity(computed, &points)];
+        checks.push(energy::drift(computed, &points, sources));
         checks.extend(finer::harmonics(computed, &points, sources, look));
         checks.extend(finer::modes(computed, &points, sources, look));
         checks.extend(exact::checks(computed, &points, sources, look));
-        checks.extend([mesh::frequency(sources.scene), mesh::contact_mass(sources.shift, sources.open.is_some())]);
-        Self { thorough: sources.thorough, ..Self::new(&points::places(all), checks) }
+        checks.push(mesh::frequency(sources.scene));
+        checks.extend(mesh::contact_mass(sources.shift));
+        checks.extend(sources.open.and_then(|open| mesh::digits(open, sources.scene.method.mode)));
+        let required = required(sources.scene);
+        Self { thorough: sources.thorough, ..Self::new(&points::places(all), checks, &required) }
     }
 
     /// Result of checks at these points.
-    pub(crate) fn new(all: &[Place], mut checks: Vec<Check>) -> Self {
-        checks.iter_mut().for_each(|check| check.place = check.point.and_then(|point| all.get(point).copied()));
-        let numbers = Number::ALL.map(|number| NumberUse::new(number, &checks)).to_vec();
-        let (points, points_in_doubt) = (points::looked_at(&checks, all), points::in_doubt(&checks, all));
-        let verdict = verdict(&checks, &numbers) + &points::sentence(all.len(), &points, &points_in_doubt);
-        Self { verdict, thorough: false, points, points_in_doubt, checks, numbers }
+    pub(crate) fn new(all: &[Place], mut checks: Vec<Check>, required: &Requirement) -> Self {
+        checks.iter_mut().for_each(|check| check.place = check.worst().and_then(|point| all.get(point).copied()));
+        let errors = Number::ALL.map(|number| NumberError::new(number, &checks, all, required)).to_vec();
+        let (points, points_in_doubt) = (points::compared(&checks, all), points::in_doubt(&checks, &errors, all));
+        let mut found =
+            Self { verdict: String::new(), thorough: false, points, points_in_doubt, checks, errors, all: all.len() };
+        found.verdict = found.text("");
+        found
     }
 
-    /// The numbers not to use, as a warning at the head of a page, and those not shown, as a line there. `name` is that
-    /// of the branch, if there are several.
+    /// The errors of the numbers in a sentence, and whether the equations hold; `name` is that of the branch, if there
+    /// are several.
+    pub fn text(&self, name: &str) -> String {
+        let mut commands: Vec<&str> = self.errors.iter().filter_map(|error| error.command.as_deref()).collect();
+        let mut known = HashSet::new();
+        commands.retain(|command| known.insert(*command));
+        let smaller =
+            if commands.is_empty() { String::new() } else { format!("; smaller with {}", commands.join(", ")) };
+        let points = match self.points.len() {
+            0 => String::new(),
+            n if n == self.all => format!(", all {n} points compared"),
+            n => format!(", {n} of {} points compared", self.all),
+        };
+        let is_known = self.errors.iter().any(|error| error.estimate.is_some());
+        let lost = self.checks.iter().find(|check| is_known && !check.lost.is_empty());
+        let lost = lost.map_or_else(String::new, |check| format!("; {}", finer::not_found(&check.lost)));
+        let broken = self.broken().map_or_else(String::new, |broken| format!("; {broken}"));
+        format!("Estimated errors{name}{points}: {}{lost}{smaller}{broken}", numbers::all(&self.errors))
+    }
+
+    /// The error of each number, by its name.
+    pub(crate) fn by_number(&self) -> BTreeMap<Number, &NumberError> {
+        self.errors.iter().map(|error| (error.number, error)).collect()
+    }
+
+    /// At the head of a page: the errors, and as a warning what does not hold or is not met. `name` is that of the
+    /// branch, if there are several.
     pub(crate) fn on_the_head<'a>(&self, page: HtmlReport<'a>, name: Option<&str>) -> HtmlReport<'a> {
-        let page = match self.not_to_use(name) {
+        let page = match self.warning(name) {
             Some(text) => page.warning(text),
             None => page,
         };
-        match self.open(name) {
-            Some(text) => page.line(text),
-            None => page,
-        }
+        page.line(format!("{}.", self.text(&of(name))))
     }
 
-    /// The numbers not to use in a sentence; nothing where there are none. `name` is that of the branch among several.
-    pub fn not_to_use(&self, name: Option<&str>) -> Option<String> {
-        let refused = self.numbers.iter().filter(|number| number.usable == Use::No);
-        let refused: Vec<String> = refused.map(|n| format!("{} ({})", n.number.meaning(), n.words)).collect();
-        let of = name.map_or_else(String::new, |name| format!(" of {name}"));
-        let why = "the certificate, at the foot of the page and in summary.json, says more";
-        (!refused.is_empty()).then(|| format!("Do not use{of}: {}; {why}.", refused.join("; ")))
+    /// Equations that do not hold and required errors that are not met, in a sentence; nothing where there are none.
+    pub fn warning(&self, name: Option<&str>) -> Option<String> {
+        let unmet = self.errors.iter().filter(|error| error.met.as_ref().is_some_and(|met| !met.everywhere));
+        let all: Vec<String> = self.broken().into_iter().chain(unmet.map(NumberError::text)).collect();
+        (!all.is_empty()).then(|| format!("Not met{}: {}.", of(name), all.join("; ")))
     }
 
-    /// The numbers for which nothing speaks, and how that can be had; nothing where there are none.
-    fn open(&self, name: Option<&str>) -> Option<String> {
-        let open = named_so(&self.numbers, Use::NotShown, Number::meaning);
-        let of = name.map_or_else(String::new, |name| format!(" of {name}"));
-        let certify = self.checks.iter().any(|check| check.how == Some(CERTIFY));
-        let how = if certify { format!("; {CERTIFY} looks at them") } else { String::new() };
-        (!open.is_empty()).then(|| format!("Neither shown to be right nor wrong{of}: {open}{how}."))
+    /// The equations that do not hold.
+    fn broken(&self) -> Option<String> {
+        let one = |check: &Check| match (check.value, check.limit) {
+            (Some(value), Some(limit)) => {
+                let at = check.place.map_or_else(String::new, |place| format!(" at point {}", place.name()));
+                format!("{}: {}{at}, good is up to {}", check.name, share(value), share(limit))
+            }
+            _ => format!("{}: {}", check.name, check.words),
+        };
+        let doubtful = self.checks.iter().filter(|check| check.outcome == CheckOutcome::Doubtful);
+        let all: Vec<String> = doubtful.map(one).collect();
+        (!all.is_empty()).then(|| all.join("; "))
     }
+}
+
+/// ` of branch 2`, or nothing.
+fn of(name: Option<&str>) -> String {
+    name.map_or_else(String::new, |name| format!(" of {name}"))
+}
+
+/// The errors that a scene requires: of the frequency that of `method.accuracy`, where `output.require` has none.
+pub(crate) fn required(scene: &Scene) -> Requirement {
+    let mut required = scene.require;
+    required.frequency = required.frequency.or(scene.method.accuracy.map(|accuracy| accuracy.error));
+    required
 }
 
 /// Whether the equations are solved.
 pub(crate) fn residual(of: impl Iterator<Item = f64>) -> Check {
     let mut worst = Worst::default();
     of.enumerate().for_each(|(point, residual)| worst.take(point, residual));
-    let (largest, words) = (worst.value, "largest scaled residual of all points");
-    Check::found("equations", None, largest, RESIDUAL, words).where_it_failed(&worst)
-}
-
-/// Result of all checks.
-fn verdict(checks: &[Check], numbers: &[NumberUse]) -> String {
-    let looked = checks.iter().filter(|check| check.outcome != CheckOutcome::NotLookedAt).count();
-    let doubtful = checks.iter().filter(|check| check.outcome == CheckOutcome::Doubtful).count();
-    let mut text = format!("{looked} of {} checks made, {doubtful} of them doubtful", checks.len());
-    for (wanted, said) in [(Use::No, "do not use"), (Use::NotShown, "nothing speaks for"), (Use::Yes, "to be used")] {
-        let names = named_so(numbers, wanted, Number::name);
-        if !names.is_empty() {
-            text += &format!("; {said}: {names}");
-        }
-    }
-    text
-}
-
-/// Names of the numbers with this verdict.
-fn named_so(numbers: &[NumberUse], wanted: Use, name: fn(Number) -> &'static str) -> String {
-    let names = numbers.iter().filter(|n| n.usable == wanted).map(|n| name(n.number));
-    names.collect::<Vec<_>>().join(", ")
+    worst.all.retain(|(_, value)| !(*value < worst.value.min(RESIDUAL)));
+    Check::found("equations", worst.value, RESIDUAL, "largest scaled residual of all points").at(&worst)
 }
 
 /// The point of the largest contact force, one in the middle and the last, each once.

@@ -9,11 +9,16 @@ use serde::Serialize;
 use crate::character::{characters, same_modes};
 use crate::mass;
 use crate::open_modes::{LISTED, OpenLinearModes};
+use nlmodes_reduction::OpenModes;
 use nlmodes_scene::assemble::{
     Assembly, Strainless, StructureError, Structures, contact_model, element_model, free_modes, redistribution,
 };
 use nlmodes_scene::number;
 use nlmodes_scene::scene::{MethodKind, Scene, Structure, StructureKind};
+
+/// Share of a frequency that the digits of files may leave open without a column of its own: the table has eight
+/// decimals.
+const SETTLED: f64 = 1e-6;
 
 /// Lowest linear frequencies, Hz.
 #[derive(Debug, Clone, Default, Serialize)]
@@ -30,6 +35,10 @@ pub struct LinearFrequencies {
     /// What each mode with the contact mass kept is, in a few words.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub characters: Vec<String>,
+    /// For each mode with the contact mass kept, the standard deviation that the digits of the files leave of its
+    /// frequency, over that frequency; empty where they leave less than [`SETTLED`] of every one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub left_open: Vec<Option<f64>>,
     /// For each mode with the contact mass kept, the same one among those with the mass redistributed.
     #[serde(skip)]
     pub redistributed_as: Vec<Option<usize>>,
@@ -56,7 +65,7 @@ pub fn linear_frequencies(scene: &Scene, assembly: &Assembly) -> Result<LinearFr
     let massless = contact_model(scene, model)?;
     let open = OpenLinearModes::new(scene, model, &massless).map_err(|error| floating(scene, error))?;
     let mut found = frequencies(scene, model, &massless, &open)?;
-    assembly.open.iter().for_each(|open| found.mark(&open.strainless));
+    assembly.open.iter().for_each(|open| found.mark(&open.modes, &open.strainless));
     Ok(found)
 }
 
@@ -72,13 +81,19 @@ pub fn without_contacts(scene: &Scene) -> Result<Option<LinearFrequencies>, Stru
     let mass_kept: Vec<f64> = omega.iter().map(|omega| nlmodes::report::hertz(*omega)).collect();
     let characters = vec![String::new(); mass_kept.len()];
     let mut found = LinearFrequencies { mass_kept, characters, ..LinearFrequencies::default() };
-    found.mark(&strainless);
+    found.mark(&modes, &strainless);
     Ok(Some(found))
 }
 
 impl LinearFrequencies {
-    /// Gives the motions that strain nothing the frequency zero, and says what they are.
-    pub(crate) fn mark(&mut self, strainless: &Strainless) {
+    /// Gives the motions that strain nothing the frequency zero, and says what they are and what the digits of the
+    /// files leave open of the others.
+    pub(crate) fn mark(&mut self, modes: &OpenModes, strainless: &Strainless) {
+        let of_each = (1..=self.mass_kept.len()).map(|mode| modes.left_open(mode));
+        self.left_open = of_each.collect();
+        if self.left_open.iter().flatten().all(|share| *share <= SETTLED) {
+            self.left_open.clear();
+        }
         let names = std::iter::repeat_n("rigid body", strainless.rigid);
         let names = names.chain(std::iter::repeat_n("mechanism", strainless.mechanisms));
         for (k, name) in names.enumerate().take(self.mass_kept.len()) {
@@ -125,6 +140,7 @@ pub fn frequencies(
         of_the_elements,
         mass_redistributed: Some(hertz(&open.own.omega)),
         contacts_held: Some(hertz(&held.omega)),
+        left_open: Vec::new(),
     })
 }
 

@@ -1,5 +1,6 @@
 //! What came out of a run.
 
+mod curve;
 mod ending;
 
 use std::time::Duration;
@@ -28,8 +29,6 @@ pub struct PartOutcome {
     pub certificates: Vec<Certificate>,
     /// From the beginning to the last point.
     pub points_time: Duration,
-    /// Time of the verification reports.
-    pub certificate_time: Duration,
     /// Differences of overlays from the first branch, one line per stop.
     pub compared: Vec<String>,
     /// From the beginning to the last file.
@@ -54,21 +53,12 @@ impl PartOutcome {
         branches.map(|(number, computed)| Ending::new(computed, &name(number), self.points_time)).collect()
     }
 
-    /// The numbers not to use according to the verification reports, a sentence for each branch that has some.
-    pub fn not_to_use(&self) -> Vec<String> {
-        let several = self.certificates.len() > 1;
-        let name = |number: usize| several.then(|| format!("branch {number}"));
-        let certificates = self.certificates.iter().enumerate();
-        certificates.filter_map(|(number, certificate)| certificate.not_to_use(name(number).as_deref())).collect()
-    }
-
-    /// Text of the verification reports: one sentence per branch, and why each number is to be used or not.
+    /// The estimated errors of the numbers, a sentence for each branch.
     pub fn certificates_text(&self) -> String {
         let several = self.certificates.len() > 1;
         let name = |number: usize| if several { format!(" of branch {number}") } else { String::new() };
         let certificates = self.certificates.iter().enumerate();
-        let text: String = certificates.map(|(number, certificate)| certificate.text(&name(number))).collect();
-        text + &format!("  looked at in {:.1} s\n", self.certificate_time.as_secs_f64())
+        certificates.map(|(number, certificate)| certificate.text(&name(number)) + "\n").collect()
     }
 }
 

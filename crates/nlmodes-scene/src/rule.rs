@@ -250,8 +250,8 @@ pub fn number(x: f64) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
-/// Two digits of a share, in percent.
-pub(crate) fn percent(share: f64) -> String {
+/// A share in percent, to two digits.
+pub fn percent(share: f64) -> String {
     let percent: f64 = format!("{:.1e}", 100.0 * share).parse().unwrap_or(100.0 * share);
     format!("{} %", number(percent))
 }

@@ -19,7 +19,7 @@ pub use choices::{
 };
 
 pub use continuation::{Continuation, Start};
-pub use output::{Directory, Output, OutputFiles, Overlay};
+pub use output::{Directory, Output, OutputFiles, Overlay, Requirement};
 pub use parts::{GroundSpring, MassPoint, Refined, Segment};
 pub use records::RecordScene;
 pub use reduction::{Matrices, Reduction, SceneStructure};
@@ -79,6 +79,9 @@ pub struct Scene {
     /// For which points Floquet multipliers are computed.
     #[serde(default = "auto")]
     pub stability: StabilityChoice,
+    /// Largest errors that are wanted.
+    #[serde(default, skip_serializing_if = "Requirement::is_empty")]
+    pub require: Requirement,
     /// What looks wrong with the scene, in words.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,

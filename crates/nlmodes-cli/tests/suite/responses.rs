@@ -38,6 +38,7 @@ ratio = 0.01
 at_m = 0.5
 [method]
 harmonics = 20
+mass_redistribution = "drop"
 "#;
 
 fn run(folder: &Path, text: &str, more: &[&str]) -> Result<Output, Box<dyn Error>> {
@@ -248,13 +249,12 @@ fn dashpots_beyond_the_modes_and_keys_without_effect_are_said() -> Outcome {
             assert!(said(&output).contains(&format!("`method.{key}` has no effect on responses")), "{}", said(&output));
         }
         let checks = summary(folder.path())?["certificate"]["checks"].clone();
-        let outcome = |name: &str| {
-            let check = checks.as_array().into_iter().flatten().find(|check| check["name"] == name);
-            check.map(|check| check["outcome"].clone())
-        };
-        assert_eq!(outcome("dashpots"), Some(Value::from(if is_told { "doubtful" } else { "good" })));
+        let check = |name: &str| checks.as_array().into_iter().flatten().find(|check| check["name"] == name);
+        let value = |name: &str| check(name).and_then(|check| check["value"].as_f64());
+        // What the dashpot moves beyond the modes is some of the displacement, or nothing.
+        assert_eq!(value("dashpots").ok_or("dashpots")? > 1e-2, is_told);
         // There is only one mode; its mass at the stop is left out.
-        assert_eq!((outcome("modes"), outcome("contact mass")), (Some("good".into()), Some("doubtful".into())));
+        assert!(value("modes") == Some(0.0) && value("contact mass") > Some(0.01), "{checks}");
     }
     Ok(())
 }

@@ -79,7 +79,7 @@ pub const FILES: [FileMeaning; 22] = [
     },
     FileMeaning {
         name: "summary.json",
-        meaning: "The scene as read, linear frequencies, grazing point, method, `reduction` (free-interface modes, and by how much half as many change the frequency), `contacts` of a structure from files (nodes, normal, gap of each number), `motion` (the point that `motion.pvd` shows), events, internal resonances, stability, why the branch ended, times; of responses the same of each curve; under `certificate` which numbers to use, and what was compared to say so",
+        meaning: "The scene as read, linear frequencies, grazing point, method, `reduction` (free-interface modes, and by how much half as many change the frequency), `contacts` of a structure from files (nodes, normal, gap of each number), `motion` (the point that `motion.pvd` shows), events, internal resonances, stability, why the branch ended, times; of responses the same of each curve; under `errors` the estimated error of each number with its largest source and what makes it smaller, under `certificate` what was compared",
         columns: &[],
     },
     FileMeaning {

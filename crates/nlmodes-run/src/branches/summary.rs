@@ -1,5 +1,6 @@
 //! `summary.json`: what was asked, what was done and why it ended.
 
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -12,7 +13,7 @@ use serde::Serialize;
 use super::About;
 use super::sink::branch_directory;
 use crate::Failure;
-use crate::certificate::Certificate;
+use crate::certificate::{Certificate, Number, NumberError};
 use crate::curve::summary::{At, ContactAt, End, Reduction, Resonance, Stability, largest_residual};
 use crate::linear::{LinearFrequencies, modal_model};
 use nlmodes_scene::scene::{MethodKind, Scene};
@@ -44,6 +45,8 @@ struct Summary<'a> {
     stability: Stability,
     end: End<'a>,
     largest_residual: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    errors: Option<BTreeMap<Number, &'a NumberError>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     certificate: Option<&'a Certificate>,
     evaluations: usize,
@@ -149,6 +152,8 @@ struct OtherBranch<'a> {
     largest_residual: f64,
     internal_resonances: Vec<Resonance>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    errors: Option<BTreeMap<Number, &'a NumberError>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     certificate: Option<&'a Certificate>,
 }
 
@@ -165,6 +170,7 @@ impl<'a> OtherBranch<'a> {
             complete: branch.end.complete,
             largest_residual: largest_residual(&computed.branch.points),
             internal_resonances: Resonance::all(&computed.branch.points, 0),
+            errors: certificate.map(Certificate::by_number),
             certificate,
         }
     }
@@ -213,6 +219,7 @@ pub fn write(
         stability: Stability::new(points, 0, Some(UNIT_CIRCLE)),
         end: End::from(&computed.branch.end),
         largest_residual: largest_residual(&computed.branch.points),
+        errors: certificates.first().map(Certificate::by_number),
         certificate: certificates.first(),
         evaluations: computed.evaluations,
         refused_steps: computed.refused_steps,

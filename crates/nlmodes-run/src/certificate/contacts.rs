@@ -19,14 +19,14 @@ pub fn complementarity(computed: &ComputedBranch, points: &[usize]) -> Check {
     for &point in points {
         match histories.at(point, SAMPLES, "") {
             Ok(motions) => worst.take(point, violation(computed, strongest, &motions)),
-            Err(error) => return Check::missing(NAME, None, LIMIT, format!("point {point}: {error}"), "`verify`"),
+            Err(error) => return Check::missing(NAME, None, format!("point {point}: {error}"), "`verify`"),
         }
     }
     let words = format!(
         "no force pulls, no gap is negative, none of both at once: largest |min(λ/λ_max, g/q_max)| over a period, {}",
         listed(points, &computed.branch.points)
     );
-    Check::found(NAME, None, worst.value, LIMIT, words).at(&worst)
+    Check::found(NAME, worst.value, LIMIT, words).at(&worst)
 }
 
 pub(super) fn violation(computed: &ComputedBranch, strongest: f64, motions: &[TimeHistory]) -> f64 {

@@ -6,13 +6,10 @@ use nlmodes::branches::{BranchError, ComputedBranch};
 use nlmodes::timestep::{ContactDynamics, StateEnergy, TimestepError};
 use nlmodes_scene::scene::MethodKind;
 
-use super::{CERTIFY, Check, Number, Sources, Worst, listed};
+use super::{CERTIFY, Check, Sources, Worst, listed};
 use crate::verify::Point;
 
 const NAME: &str = "energy";
-const OF: Option<Number> = Some(Number::Displacement);
-/// A motion whose energy changes by a twentieth is off by some per cent at some instant.
-const LIMIT: f64 = 5e-2;
 /// Instants of a period.
 const SAMPLES: usize = 64;
 /// Largest structures, in degrees of freedom, whose exact motions are checked, by default and with `--certify`: all
@@ -22,7 +19,7 @@ const LARGEST: [usize; 2] = [120, 400];
 /// Largest less smallest energy over a period, over the mean.
 pub fn drift(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>) -> Check {
     let n = computed.structure.model().dofs().len();
-    let missing = |why, how| Check::missing(NAME, OF, LIMIT, why, how);
+    let missing = |why, how| Check::missing(NAME, None, why, how);
     if computed.structure.recorded_dofs().len() < n {
         return missing(
             format!("of {n} degrees of freedom not all are kept"),
@@ -44,7 +41,7 @@ pub fn drift(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>) 
     }
     let at = listed(points, &computed.branch.points);
     let words = format!("change of the energy over a period of the motion, {at}; an exact one keeps it");
-    Check::found(NAME, OF, worst.value, LIMIT, words).at(&worst)
+    Check::measured(NAME, worst.value, words).at(&worst)
 }
 
 fn of_point(point: &Point) -> Result<f64, TimestepError> {

@@ -1,20 +1,32 @@
 //! A few points solved again with twice as many harmonics, and with twice as many held modes.
 
-use nlmodes::branches::{BranchError, ComputedBranch, Watch};
+use std::collections::HashSet;
+use std::time::{Duration, Instant};
+
+use nlmodes::branches::{BranchError, ComputedBranch};
 use nlmodes::hbm::CondensedStructure;
 use nlmodes::modal::ModalPoint;
 use nlmodes_reduction::OpenModes;
+use nlmodes_scene::counted;
 
-use super::{BROKEN_OFF, CERTIFY, Check, Looking, Number, Place, Sources, Worst, listed, named};
+use super::{
+    BROKEN_OFF, CERTIFY, Check, ErrorSource, Looking, Number, Place, SourceKind, Sources, Worst, listed, named,
+};
 
 const HARMONICS: &str = "harmonics";
 const MODES: &str = "modes";
 /// Forces, impulses and amplitudes below this share of the largest ones of the branch do not count by themselves.
 const FLOOR: f64 = 1e-2;
 
-/// Most points that are solved again, and the largest number of unknowns of which so many are.
+/// Most points that are solved again by `--certify`, and the largest number of unknowns of which so many are.
 const MANY: usize = 48;
 const SMALL: usize = 500;
+/// Time in which points are solved again without `--certify`, over that of the branch, and the least of it.
+const SHARE_OF_BRANCH: f64 = 10.0;
+const LEAST_TIME: Duration = Duration::from_millis(500);
+/// Points that suffice then, and in how many parts the branch is divided for others than the first ones.
+const ENOUGH: usize = 3;
+const OTHERS: usize = 8;
 
 /// Evenly chosen points beside these few, where solving them again costs next to nothing.
 fn many(computed: &ComputedBranch, few: &[usize]) -> Vec<usize> {
@@ -30,17 +42,25 @@ fn many(computed: &ComputedBranch, few: &[usize]) -> Vec<usize> {
     points
 }
 
-/// What twice as many harmonics change.
+/// These points, and others between them for those from which no motion with more harmonics is found.
+fn candidates(few: &[usize], all: usize) -> Vec<usize> {
+    let between = (1..OTHERS).map(|k| k * all.saturating_sub(1) / OTHERS).filter(|k| !few.contains(k));
+    let mut points: Vec<usize> = few.iter().copied().chain(between).collect();
+    let mut known = HashSet::new();
+    points.retain(|k| known.insert(*k));
+    points
+}
+
+/// What twice as many harmonics change: where an accuracy was asked for, of the frequency by its estimates at all points.
 pub fn harmonics(computed: &ComputedBranch, few: &[usize], sources: Sources<'_>, look: Looking<'_>) -> Vec<Check> {
+    let source = of_harmonics(computed);
     if computed.is_exact() {
         let words = "exact in time: no harmonics are left out";
-        return Number::ALL.map(|n| Check::found(HARMONICS, Some(n), 0.0, n.limit(), words)).to_vec();
+        return Number::ALL.map(|n| Check::estimate(HARMONICS, (n, source.clone()), 0.0, words)).to_vec();
     }
-    if !sources.thorough {
-        return estimated(computed);
-    }
-    let (all, points) = (computed.branch.points.len(), many(computed, few));
-    let words = |lost: &str| match points.len() {
+    let all = computed.branch.points.len();
+    let points = if sources.thorough { many(computed, few) } else { candidates(few, all) };
+    let words = |n: usize, lost: &str| match n {
         n if n >= all => format!("with twice as many harmonics at the same energy, all {all} points{lost}"),
         n => format!(
             "with twice as many harmonics at the same energy, {n} of {all} points; others may change by more{lost}"
@@ -48,32 +68,46 @@ pub fn harmonics(computed: &ComputedBranch, few: &[usize], sources: Sources<'_>,
     };
     let number = |k: usize| 2 * computed.branch.points[k].coefficients.n_harmonics();
     let solve = |k: usize| computed.refined(k, number(k), &computed.structure);
-    again((HARMONICS, "method.harmonics twice as large"), computed, &points, words, solve, (look, sources.watch))
+    let mut checks = again(
+        (HARMONICS, "method.harmonics twice as large", source.clone()),
+        computed,
+        &points,
+        words,
+        solve,
+        (look, sources),
+    );
+    if let Some(estimated) = estimated(computed, source) {
+        checks.retain(|check| check.number != Some(Number::Frequency));
+        checks.insert(0, estimated);
+    }
+    checks
 }
 
-/// The estimates of the frequency's error that an accuracy has been asked for with; else nothing.
-fn estimated(computed: &ComputedBranch) -> Vec<Check> {
-    let estimates = computed.branch.points.iter().filter_map(|p| p.error_estimate);
-    let frequency = match estimates.reduce(f64::max) {
-        Some(largest) => {
-            let words = "largest estimate of what harmonics and modes left out do, of all points";
-            Check::found(HARMONICS, Some(Number::Frequency), largest, Number::Frequency.limit(), words)
-        }
-        None => not_asked(Number::Frequency),
-    };
-    [frequency].into_iter().chain(Number::ALL.into_iter().skip(1).map(not_asked)).collect()
+/// Harmonics as the source of an error.
+pub(super) fn of_harmonics(computed: &ComputedBranch) -> ErrorSource {
+    let most = computed.branch.points.iter().map(|p| p.coefficients.n_harmonics()).max().unwrap_or(0);
+    let command = if computed.is_exact() { String::new() } else { format!("--set method.harmonics={}", 2 * most) };
+    ErrorSource { kind: SourceKind::Harmonics, name: counted(most, "harmonic"), command }
 }
 
-fn not_asked(number: Number) -> Check {
-    Check::missing(HARMONICS, Some(number), number.limit(), "more harmonics were not tried", CERTIFY)
+/// The estimates of the frequency's error that an accuracy has been asked for with.
+fn estimated(computed: &ComputedBranch, source: ErrorSource) -> Option<Check> {
+    let mut worst = Worst::default();
+    let points = computed.branch.points.iter().enumerate();
+    points.for_each(|(k, point)| worst.take(k, point.error_estimate));
+    let words = "estimates of what harmonics and modes left out do, of all points that have one";
+    let check = Check::estimate(HARMONICS, (Number::Frequency, source), worst.value, words).at(&worst);
+    (!worst.all.is_empty()).then_some(check)
 }
 
-/// What modes left out do to the linear frequency of a mode with a contact closed.
+/// What modes left out do to the linear frequency of a mode with a contact closed: an estimate, or nothing where half as
+/// many do not reach the mode.
 pub(crate) fn open_modes(open: &OpenModes, mode: usize, contact: usize) -> Check {
-    let limit = Number::Frequency.limit();
-    let found = |error: f64, words: String| Check::found(MODES, Some(Number::Frequency), error, limit, words);
+    let kept = open.n_modes();
+    let (name, command) = (counted(kept, "mode"), format!("--set reduction.modes={}", 2 * kept));
+    let of = (Number::Frequency, ErrorSource { kind: SourceKind::Modes, name, command });
     if open.has_all_modes() {
-        return found(0.0, format!("open modes: all {} are kept", open.n_modes()));
+        return Check::estimate(MODES, of, 0.0, format!("open modes: all {kept} are kept"));
     }
     let mut closed = vec![false; open.n_contacts()];
     if let Some(closed) = closed.get_mut(contact) {
@@ -83,89 +117,104 @@ pub(crate) fn open_modes(open: &OpenModes, mode: usize, contact: usize) -> Check
     match error.filter(|error| error.is_finite()) {
         Some(error) => {
             let words = "open modes: estimate from half as many, linear frequency with the first contact closed";
-            found(error, words.to_owned())
+            Check::estimate(MODES, of, error, words)
         }
         None => {
             let why = "open modes: half as many do not reach the mode that is computed";
-            Check::missing(MODES, Some(Number::Frequency), limit, why, "reduction.modes twice as large")
+            Check::missing(MODES, Some(Number::Frequency), why, "reduction.modes twice as large")
         }
     }
 }
 
 /// What twice as many held modes change.
 pub fn modes(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>, look: Looking<'_>) -> Vec<Check> {
-    let limit = Number::Frequency.limit();
+    let frequency = Number::Frequency;
     if let Some(open) = sources.open {
         return vec![open_modes(&open.modes, sources.scene.method.mode, computed.grazing.contact)];
     }
     let structure = &computed.structure;
     let (kept, all) = (structure.n_held_modes(), structure.model().linear_dofs().len());
+    let more = (2 * kept).min(all);
+    let source = ErrorSource {
+        kind: SourceKind::Modes,
+        name: format!("{} with the contacts held", counted(kept, "mode")),
+        command: format!("--set method.held_modes={more}"),
+    };
     if kept >= all {
-        return vec![Check::found(MODES, None, 0.0, limit, format!("all {all} held modes are kept"))];
+        return vec![Check::estimate(MODES, (frequency, source), 0.0, format!("all {all} held modes are kept"))];
     }
     if !sources.thorough {
         let most = computed.branch.points.iter().map(|p| p.coefficients.n_harmonics()).max().unwrap_or(0);
         let error = structure.held_modes_error(&computed.grazing, computed.grazing.omega, most);
         let words = format!("{kept} of {all} held modes: a guess of what the others do, at grazing");
-        return vec![Check::found(MODES, Some(Number::Frequency), error, limit, words)];
+        return vec![Check::estimate(MODES, (frequency, source), error, words)];
     }
-    let more = (2 * kept).min(all);
     let how = "method.held_modes twice as large";
     let finer = match CondensedStructure::new(structure.model().clone(), more) {
         Ok(finer) => finer,
-        Err(error) => return vec![Check::missing(MODES, None, limit, error.to_string(), how)],
+        Err(error) => return vec![Check::missing(MODES, Some(frequency), error.to_string(), how)],
     };
     let at = listed(points, &computed.branch.points);
-    let words = |lost: &str| format!("with {more} of {all} held modes for {kept} at the same energy, {at}{lost}");
+    let words = |_, lost: &str| format!("with {more} of {all} held modes for {kept} at the same energy, {at}{lost}");
     let number = |k: usize| computed.branch.points[k].coefficients.n_harmonics();
-    again((MODES, how), computed, points, words, |k| computed.refined(k, number(k), &finer), (look, sources.watch))
+    let solve = |k: usize| computed.refined(k, number(k), &finer);
+    again((MODES, how, source), computed, points, words, solve, (look, sources))
 }
 
 /// Largest changes of the numbers where points are solved again.
 fn again(
-    (name, how): (&'static str, &'static str),
+    (name, how, source): (&'static str, &'static str, ErrorSource),
     computed: &ComputedBranch,
     points: &[usize],
-    words: impl Fn(&str) -> String,
+    words: impl Fn(usize, &str) -> String,
     solve: impl Fn(usize) -> Result<Option<ModalPoint>, BranchError>,
-    (look, watch): (Looking<'_>, &Watch),
+    (look, sources): (Looking<'_>, Sources<'_>),
 ) -> Vec<Check> {
-    let missing = |why: String, how| vec![Check::missing(name, None, Number::Frequency.limit(), why, how)];
-    let (mut worst, mut lost) = (<[Worst; 4]>::default(), Vec::new());
+    let missing = |why: &str, how| Number::ALL.map(|number| Check::missing(name, Some(number), why, how)).to_vec();
+    let (mut worst, mut lost, mut solved) = (<[Worst; 4]>::default(), Vec::new(), 0);
+    let (began, budget) = (Instant::now(), LEAST_TIME.max(sources.points_time.mul_f64(SHARE_OF_BRANCH)));
     for (number, &k) in points.iter().enumerate() {
-        if !look(name, k, [number + 1, points.len()]) {
-            return missing(BROKEN_OFF.to_owned(), CERTIFY);
+        let is_enough = solved - lost.len() >= ENOUGH || began.elapsed() > budget;
+        if number > 0 && !sources.thorough && is_enough {
+            break;
         }
-        let solved = solve(k);
-        if watch.asks_to_end() {
-            return missing(BROKEN_OFF.to_owned(), CERTIFY);
+        if sources.thorough && !look(name, k, [number + 1, points.len()]) {
+            return missing(BROKEN_OFF, CERTIFY);
         }
-        match solved {
+        let found = solve(k);
+        if sources.watch.asks_to_end() {
+            return missing(BROKEN_OFF, CERTIFY);
+        }
+        match found {
             Ok(Some(after)) => {
                 let found = changes(computed, &computed.branch.points[k], &after);
                 worst.iter_mut().zip(found).for_each(|(worst, found)| worst.take(k, found));
             }
             Ok(None) => lost.push(Place::of(k, &computed.branch.points[k])),
-            Err(error) => return missing(error.to_string(), how),
+            Err(error) => return missing(&error.to_string(), how),
         }
+        solved += 1;
     }
-    let said = match lost.as_slice() {
-        [] => String::new(),
-        lost => format!("; from {} Newton's method does not lead to one and back", named(lost)),
-    };
-    // A motion to which more harmonics, or modes, have nothing near is not one to trust, whatever the other points say.
-    let words = words(&said);
-    let of = |(number, worst): (Number, Worst)| {
-        let silent = points.len() - lost.len() - worst.all.len();
-        let words = match worst.all.is_empty() && lost.is_empty() {
-            true => return Check::missing(name, Some(number), number.limit(), UNTOUCHED, TOUCHING),
-            false if silent > 0 => format!("{words}; {silent} of them touch no stop and say nothing of this number"),
-            false => words.clone(),
-        };
-        let value = if lost.len() == points.len() { f64::NAN } else { worst.value };
-        Check::found(name, Some(number), value, number.limit(), words).at(&worst).without(&lost)
+    let said = if lost.is_empty() { String::new() } else { format!("; {}", not_found(&lost)) };
+    let words = words(solved, &said);
+    let of = |(number, worst): (Number, Worst)| match worst.all.len() {
+        0 if lost.is_empty() => Check::missing(name, Some(number), UNTOUCHED, TOUCHING),
+        0 => Check::missing(name, Some(number), not_found(&lost), how).without(&lost),
+        n => {
+            let silent = solved - lost.len() - n;
+            let words = match silent {
+                0 => words.clone(),
+                _ => format!("{words}; {silent} of them touch no stop and say nothing of this number"),
+            };
+            Check::estimate(name, (number, source.clone()), worst.value, words).at(&worst).without(&lost)
+        }
     };
     Number::ALL.into_iter().zip(worst).map(of).collect()
+}
+
+/// That Newton's method leads from these points to no motion with twice as many and back.
+pub(super) fn not_found(lost: &[Place]) -> String {
+    format!("no motion with twice as many was found next to {}", named(lost))
 }
 
 /// What is said where no point has a force.

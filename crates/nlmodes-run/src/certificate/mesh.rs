@@ -1,22 +1,19 @@
 //! The linear frequency compared with that of the next finer mesh, and with the mass of the contacts.
 
 use nlmodes::model::{MassShift, linear_modes};
-use nlmodes_scene::assemble::element_model;
+use nlmodes_scene::assemble::{OpenStructure, element_model};
+use nlmodes_scene::counted;
 use nlmodes_scene::scene::{Scene, SceneStructure, Structure};
 
-use super::{Check, Number};
-use crate::mass::NOTABLE;
+use super::{Check, ErrorSource, Number, SourceKind};
 
 const MESH: &str = "mesh";
-const MASS: &str = "contact mass";
-const OF: Option<Number> = Some(Number::Frequency);
 /// Most elements of the finer mesh: its modes take a fraction of a second.
 const MOST: usize = 2000;
 
 /// Change of the linear frequency of the mode with twice as many elements; contacts open, their mass kept.
 pub fn frequency(scene: &Scene) -> Check {
-    let limit = Number::Frequency.limit();
-    let missing = |why: &str, how| Check::missing(MESH, OF, limit, why, how);
+    let missing = |why: &str, how| Check::missing(MESH, Some(Number::Frequency), why, how);
     let own = match &scene.structure {
         SceneStructure::Straight(own) => own,
         SceneStructure::Several(_) => return missing("there are several structures", "elements twice as many in each"),
@@ -40,7 +37,12 @@ pub fn frequency(scene: &Scene) -> Check {
                 "linear frequency of mode {mode} with {} elements for {}; forces were not compared. Says nothing where the elements are the structure, as in a chain of masses",
                 finer.elements, own.elements
             );
-            Check::found(MESH, OF, (coarse / fine - 1.0).abs(), limit, words)
+            let source = ErrorSource {
+                kind: SourceKind::Mesh,
+                name: counted(own.elements, "element"),
+                command: format!("--set structure.elements={}", finer.elements),
+            };
+            Check::estimate(MESH, (Number::Frequency, source), (coarse / fine - 1.0).abs(), words)
         }
         _ => missing("the linear modes of the finer mesh were not found", "structure.elements twice as large"),
     }
@@ -52,17 +54,31 @@ fn omega(structure: &Structure, mode: usize) -> Option<f64> {
     found.omega.get(mode.checked_sub(1)?).copied()
 }
 
-/// Change of the linear frequency by the mass that the contacts lose.
-pub(crate) fn contact_mass(shift: Option<MassShift>, is_in_open_modes: bool) -> Check {
-    match shift {
-        Some(shift) => {
-            let words = format!("linear frequency of mode {} without the mass of the contact nodes", shift.mode);
-            Check::found(MASS, OF, shift.relative().abs(), NOTABLE, words)
-        }
-        None if is_in_open_modes => Check::found(MASS, OF, 0.0, NOTABLE, "no mass is taken away"),
-        None => {
-            let why = "the frequency is one that was measured: imposed, or met by parameters";
-            Check::missing(MASS, OF, NOTABLE, why, "the same scene without it")
-        }
-    }
+/// Change of the linear frequency by the mass that the contacts lose; nothing where they lose none, or the frequency is
+/// one that was measured: imposed, or met by parameters.
+pub(crate) fn contact_mass(shift: Option<MassShift>) -> Option<Check> {
+    let shift = shift?;
+    let source = ErrorSource {
+        kind: SourceKind::ContactMass,
+        name: "mass of the contacts left out".to_owned(),
+        command: "--set 'reduction.kind=\"open-modes\"'".to_owned(),
+    };
+    let words = format!("linear frequency of mode {} without the mass of the contact nodes", shift.mode);
+    Some(Check::estimate("contact mass", (Number::Frequency, source), shift.relative().abs(), words))
+}
+
+/// What the digits of the files leave open of the linear frequency of a mode; nothing of other structures.
+pub(crate) fn digits(open: &OpenStructure, mode: usize) -> Option<Check> {
+    let share = open.modes.left_open(mode)?;
+    let (files, _) = open.files.as_ref()?;
+    let source = ErrorSource {
+        kind: SourceKind::Digits,
+        name: format!("{} of the files", files.digits[0]),
+        command: "matrices in double precision".to_owned(),
+    };
+    let words = format!(
+        "standard deviation of the linear frequency of mode {mode} with the stiffness known to {}",
+        files.digits[0]
+    );
+    Some(Check::estimate("digits", (Number::Frequency, source), share, words))
 }

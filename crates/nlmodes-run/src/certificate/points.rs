@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use nlmodes::modal::ModalPoint;
 use serde::{Serialize, Serializer};
 
-use super::{Check, Number, named};
+use super::{Check, NumberError};
 
 /// A point, and where it is found on the curve.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -49,7 +49,7 @@ pub(super) fn range(places: &[Place]) -> String {
 }
 
 /// A number with this many digits after the first.
-fn digits(x: f64, behind: usize) -> String {
+pub(super) fn digits(x: f64, behind: usize) -> String {
     nlmodes_scene::number(format!("{x:.behind$e}").parse().unwrap_or(x))
 }
 
@@ -64,19 +64,29 @@ pub(super) fn numbers<S: Serializer>(places: &Vec<Place>, serializer: S) -> Resu
     serializer.collect_seq(places.iter().map(|place| place.point))
 }
 
-/// A point that did not pass, and the checks that speak against it.
+/// Writes the points of values alone.
+#[expect(clippy::ptr_arg, reason = "serde gives the field as it is")]
+pub(super) fn of_values<S: Serializer>(values: &Vec<(usize, f64)>, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(values.iter().map(|(point, _)| point))
+}
+
+/// A point that did not pass, and what speaks against it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PointInDoubt {
     /// The point.
     #[serde(flatten)]
     pub place: Place,
-    /// Names of the checks, with the number to which each applies: `harmonics (impulse of each contact)`.
+    /// The equations that do not hold there, the numbers whose required error is not met, and that no motion with more
+    /// harmonics was found next to it.
     pub against: Vec<String>,
 }
 
-/// The points of all checks, ascending.
-pub(super) fn looked_at(checks: &[Check], all: &[Place]) -> Vec<Place> {
-    of_all(checks.iter().flat_map(|check| check.looked.iter().copied()), all)
+/// The points at which numbers were compared, ascending.
+pub(super) fn compared(checks: &[Check], all: &[Place]) -> Vec<Place> {
+    let estimates = checks.iter().filter(|check| check.number.is_some());
+    let looked = estimates.flat_map(|check| check.looked.iter().map(|(point, _)| *point));
+    let lost = checks.iter().flat_map(|check| check.lost.iter().map(|place| place.point));
+    of_all(looked.chain(lost), all)
 }
 
 /// Points in order, each once.
@@ -87,33 +97,22 @@ fn of_all(points: impl Iterator<Item = usize>, all: &[Place]) -> Vec<Place> {
     points.into_iter().filter_map(|point| all.get(point).copied()).collect()
 }
 
-/// The points that failed in any check, ascending.
-pub(super) fn in_doubt(checks: &[Check], all: &[Place]) -> Vec<PointInDoubt> {
-    let of = |place: Place| {
-        let failed = checks.iter().filter(|check| check.failed.contains(&place.point));
-        let mut against: Vec<String> = failed.map(|check| name(check, place.point)).collect();
-        against.dedup();
-        PointInDoubt { place, against }
+/// The points that did not pass, ascending.
+pub(super) fn in_doubt(checks: &[Check], errors: &[NumberError], all: &[Place]) -> Vec<PointInDoubt> {
+    let unmet = |point: usize| errors.iter().filter(move |error| error.beyond.contains(&point));
+    let against = |point: usize| {
+        let failed =
+            checks.iter().filter(|check| check.failed().any(|k| k == point)).map(|check| check.name.to_owned());
+        let lost = checks.iter().filter(|check| check.lost.iter().any(|place| place.point == point));
+        let lost = lost.map(|check| format!("{}: no motion with twice as many leads there and back", check.name));
+        let unmet = unmet(point).map(|error| format!("{} beyond the required error", error.number.meaning()));
+        let mut all: Vec<String> = failed.chain(lost).chain(unmet).collect();
+        all.dedup();
+        all
     };
-    of_all(checks.iter().flat_map(|check| check.failed.iter().copied()), all).into_iter().map(of).collect()
-}
-
-fn name(check: &Check, point: usize) -> String {
-    if check.lost.iter().any(|lost| lost.point == point) {
-        return format!("{}: no motion with twice as many leads there and back", check.name);
-    }
-    check
-        .number
-        .map_or_else(|| check.name.to_owned(), |number: Number| format!("{} ({})", check.name, number.meaning()))
-}
-
-/// Statement on the points, after a verdict; empty without point-wise checks and failures.
-pub(super) fn sentence(all: usize, looked: &[Place], doubted: &[PointInDoubt]) -> String {
-    let failed: Vec<Place> = doubted.iter().map(|doubt| doubt.place).collect();
-    let not_passed = if failed.is_empty() { String::new() } else { format!(", {} did not pass", named(&failed)) };
-    match (looked.len(), failed.len()) {
-        (0, 0) => String::new(),
-        (n, _) if n >= all => format!("; all {all} points were looked at{not_passed}"),
-        (n, _) => format!("; {n} of {all} points were looked at{not_passed}; of the others nothing is known"),
-    }
+    let failed = checks.iter().flat_map(Check::failed);
+    let lost = checks.iter().flat_map(|check| check.lost.iter().map(|place| place.point));
+    let unmet = errors.iter().flat_map(|error| error.beyond.iter().copied());
+    let places = of_all(failed.chain(lost).chain(unmet), all).into_iter();
+    places.map(|place| PointInDoubt { place, against: against(place.point) }).collect()
 }

@@ -1,5 +1,6 @@
 //! Linear frequencies as a table.
 
+use nlmodes_scene::percent;
 use nlmodes_scene::scene::Scene;
 
 use super::{LinearFrequencies, modal_model};
@@ -24,6 +25,9 @@ impl LinearFrequencies {
         let mut text = format!("{}{modal}\n\nfrequency, Hz\n  mode", scene.title);
         let width = |name: &str| WIDTH.max(name.len() + 2);
         columns.iter().for_each(|(name, _)| text += &format!("{name:>0$}", width(name)));
+        if !self.left_open.is_empty() {
+            text += &format!("{:>WIDTH$}", "left open by digits");
+        }
         text += if self.characters.is_empty() { "\n" } else { "  what it is\n" };
         for k in 0..columns.iter().map(|(_, f)| f.len()).max().unwrap_or(0) {
             text += &format!("  {:>4}", k + 1);
@@ -34,6 +38,12 @@ impl LinearFrequencies {
                 let frequency = same.and_then(|k| frequencies.get(k));
                 let (frequency, width) = (frequency.map_or_else(|| "-".to_owned(), |f| format!("{f:.8}")), width(name));
                 text += &format!("{frequency:>width$}");
+            }
+            if let Some(share) = self.left_open.get(k) {
+                text += &format!(
+                    "{:>WIDTH$}",
+                    share.map_or_else(|| "-".to_owned(), |share| format!("±{}", percent(share)))
+                );
             }
             let character = self.characters.get(k).filter(|words| !words.is_empty());
             text += &character.map_or_else(String::new, |words| format!("  {words}"));

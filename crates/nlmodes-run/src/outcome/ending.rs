@@ -7,11 +7,15 @@ use nlmodes::branches::ComputedBranch;
 use nlmodes::modal::{EndReason, Event};
 use nlmodes_scene::counted;
 
+use super::curve::blocks;
+
 /// How a branch ended, in words.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Ending {
     /// Its points, their time, where and why it ended, and what to do where it did not end as it was meant to.
     pub line: String,
+    /// Its frequency over the energy as a line of block characters; empty for a few points.
+    pub curve: String,
     /// Whether it ended where it was meant to.
     pub is_complete: bool,
     /// Where the accuracy was not reached, though the points are there and each has its estimate; empty where it was,
@@ -31,6 +35,7 @@ impl Ending {
                 counted(points.len(), "point"),
                 end.message
             ),
+            curve: blocks(computed).unwrap_or_default(),
             is_complete: end.complete,
             beyond_accuracy: beyond_accuracy(computed, name),
         }

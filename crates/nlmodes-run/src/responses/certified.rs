@@ -1,4 +1,4 @@
-//! What was looked at in responses, and which of their numbers to use.
+//! Checks of responses, and the estimated errors of their numbers.
 
 use std::f64::consts::TAU;
 
@@ -10,13 +10,10 @@ use super::model::Model;
 use super::summary::imbalance;
 use super::tables::points;
 use crate::certificate::finer::open_modes;
-use crate::certificate::{Certificate, Check, Number, Place, mesh, residual};
+use crate::certificate::{Certificate, Check, ErrorSource, Number, Place, SourceKind, mesh, residual};
 
 /// Input and dissipated power agree in the equations themselves; what is left comes from where contacts open and close.
 const POWER: f64 = 1e-6;
-
-/// Share of a dashpot's motion that moves no result by more than a per cent.
-const DASHPOTS: f64 = 1e-2;
 
 /// How to have the rest looked at.
 const LARGER: &str = "the same scene with method.harmonics twice as large, these results laid over it by [[overlay]]";
@@ -27,24 +24,28 @@ pub fn certificate(scene: &Scene, model: &Model, curves: &[ComputedResponse]) ->
     let mut checks = vec![residual(residuals)];
     if curves.iter().any(|computed| computed.kind.is_forced()) {
         let words = "difference of input and dissipated power of forced motions, all points";
-        checks.push(Check::found("power balance", None, imbalance(curves), POWER, words));
+        checks.push(Check::found("power balance", imbalance(curves), POWER, words));
     }
-    let harmonics = |n: Number| {
-        let why = "more harmonics were not tried";
-        Check::missing("harmonics", Some(n), n.limit(), why, LARGER)
-    };
+    let harmonics = |n: Number| Check::missing("harmonics", Some(n), "more harmonics were not tried", LARGER);
     checks.extend(Number::ALL.map(harmonics));
     checks.push(open_modes(model.open_modes(), scene.method.mode, 0));
-    checks.extend([mesh::frequency(scene), mesh::contact_mass(model.shift, model.reduction.is_some())]);
+    checks.push(mesh::frequency(scene));
+    checks.extend(mesh::contact_mass(model.shift));
+    checks.extend(model.reduction.as_ref().and_then(|open| mesh::digits(open, scene.method.mode)));
     if let Some(share) = model.beyond_modes {
         let words =
             "what dashpots move beyond the modes that are taken, of what they hold at the frequency of the mode";
-        checks.push(Check::found("dashpots", None, share, DASHPOTS, words));
+        let source = ErrorSource {
+            kind: SourceKind::Dashpots,
+            name: "motion of dashpots beyond the modes".to_owned(),
+            command: format!("--set reduction.modes={}", 2 * model.open_modes().n_modes()),
+        };
+        checks.push(Check::estimate("dashpots", (Number::Displacement, source), share, words));
     }
     let place = |(point, (_, _, found)): (usize, (_, _, &ModalPoint))| Place {
         point,
         frequency_hz: found.listed_omega() / TAU,
         energy_j: None,
     };
-    Certificate::new(&points(curves).enumerate().map(place).collect::<Vec<_>>(), checks)
+    Certificate::new(&points(curves).enumerate().map(place).collect::<Vec<_>>(), checks, &scene.require)
 }

@@ -52,6 +52,7 @@ pub fn write(
         "complete": curves.iter().all(ComputedResponse::is_complete),
         "largest_residual": largest_residual(points(curves).map(|(_, _, point)| point)),
         "largest_power_imbalance": imbalance(curves),
+        "errors": certificate.by_number(),
         "certificate": certificate,
         "wall_time_s": began.elapsed().as_secs_f64(),
     });

@@ -58,7 +58,8 @@ impl OpenStructure {
         let modes = OpenModes::of_model(model, count(scene, model.dofs().len())?)?;
         let damped: Vec<bool> = scene.contacts.iter().map(|contact| contact.damping.is_some()).collect();
         let reduced = |modes: &OpenModes| ReducedStructure::along_axes(modes, &contacts, model.dofs());
-        let (modes, reduced) = pressed(scene, modes, &damped, reduced)?;
+        // The elements stand for a continuum: what a mode less leaves to statics is an error like that of the mesh.
+        let (modes, reduced) = pressed(scene, modes, (scene.method.mode, &damped), reduced)?;
         Ok(Self {
             modes,
             reduced,
@@ -78,7 +79,7 @@ impl OpenStructure {
         let contacts: Vec<(usize, f64)> = found.iter().map(|c| (c.node as usize, at(c.node))).collect();
         let damped: Vec<bool> = found.iter().map(|contact| contact.damping.is_some()).collect();
         let reduced = |modes: &OpenModes| ReducedStructure::new(modes, &contacts);
-        let (modes, reduced) = pressed(scene, modes, &damped, reduced)?;
+        let (modes, reduced) = pressed(scene, modes, (scene.method.mode + 1, &damped), reduced)?;
         let dofs = dofs(&model);
         Ok(Self { modes, reduced, dofs, contacts, files: Some((model, found)), strainless })
     }
@@ -161,18 +162,19 @@ fn count(scene: &Scene, dofs: usize) -> Result<ModeCount, StructureError> {
 const WELL_CONDITIONED: f64 = 1e-5;
 
 /// The reduced structure. Where the scene does not say how many modes are retained and these leave the contacts next to
-/// no flexibility of their own, fewer are; a stop with a damper (`damped`) needs one as a rigid stop does.
+/// no flexibility of their own, fewer are, but `fewest` at least; a stop with a damper (`damped`) needs one as a rigid
+/// stop does.
 fn pressed(
     scene: &Scene,
     mut modes: OpenModes,
-    damped: &[bool],
+    (fewest, damped): (usize, &[bool]),
     reduced: impl Fn(&OpenModes) -> Result<ReducedStructure, ReductionError>,
 ) -> Result<(OpenModes, ReducedStructure), StructureError> {
     let is_said = scene.reduction.is_some_and(|asked| asked.modes.is_some() || asked.up_to_hz.is_some());
     loop {
         let found = reduced(&modes);
         let fewer = modes.n_modes() - modes.n_modes().div_ceil(4);
-        let can_have_fewer = !is_said && fewer >= scene.method.mode;
+        let can_have_fewer = !is_said && fewer >= fewest;
         match found {
             Ok(reduced) if well_conditioned(&modes, &reduced, damped) => return Ok((modes, reduced)),
             Ok(_) | Err(ReductionError::DependentContact { .. }) if can_have_fewer => modes = modes.truncated(fewer)?,

@@ -18,9 +18,41 @@ pub struct Output {
     /// For which points Floquet multipliers are computed
     #[serde(default)]
     pub stability: StabilityChoice,
+    /// Largest relative errors of the results that are wanted: `summary.json` and the page tell where they are met
+    #[serde(default)]
+    pub require: Requirement,
     /// Which files.
     #[serde(flatten)]
     pub files: OutputFiles,
+}
+
+/// Largest relative errors that are wanted; none where nothing is said.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct Requirement {
+    /// Of the frequency
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1.0))]
+    pub frequency: Option<f64>,
+    /// Of displacements
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1.0))]
+    pub displacement: Option<f64>,
+    /// Of the impulse of each contact
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1.0))]
+    pub impulse: Option<f64>,
+    /// Of the largest contact force
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1.0))]
+    pub peak_force: Option<f64>,
+}
+
+impl Requirement {
+    /// Whether nothing is required.
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 /// Where results go.

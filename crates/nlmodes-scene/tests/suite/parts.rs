@@ -3,8 +3,8 @@
 use std::error::Error;
 use std::f64::consts::TAU;
 
-use nlmodes::model::{DofKind, linear_modes};
-use nlmodes_scene::assemble::{Elements, Structures, structural_model};
+use nlmodes::model::{DofKind, StructuralModel, linear_modes};
+use nlmodes_scene::assemble::{Elements, Structures, element_model, structural_model};
 use nlmodes_scene::{Scene, SceneError, parse};
 
 type Outcome = Result<(), Box<dyn Error>>;
@@ -14,6 +14,12 @@ const REST: &str = "[method]\nharmonics = 3\n[continuation]\nmax_energy_ratio = 
 fn scene(structure: &str, more: &str) -> Result<Scene, String> {
     let text = format!("{structure}\n{more}\n{REST}");
     parse("scene.toml", &text, &[]).map(|file| file.scene).map_err(|refused: SceneError| refused.text(false))
+}
+
+/// The structure as its elements give it.
+fn elements(scene: &Scene) -> Result<StructuralModel, Box<dyn Error>> {
+    let structure = scene.structure.straight().ok_or("several structures")?;
+    Ok(element_model(structure, &scene.contacts)?)
 }
 
 fn refused(structure: &str, more: &str) -> String {
@@ -74,7 +80,7 @@ fn a_tube_is_area_and_second_moment() -> Outcome {
     };
     let stop = "[[contact]]\nat_m = 0.75\ndirection = \"transverse\"\nside = \"positive\"\ngap_m = 3e-4\n";
     let first = |section: &str| -> Result<f64, Box<dyn Error>> {
-        let model = structural_model(&scene(&beam(section), stop)?)?;
+        let model = elements(&scene(&beam(section), stop)?)?;
         Ok(linear_modes(model.mass(), model.stiffness(), 1)?.omega[0] / TAU)
     };
     let pi = std::f64::consts::PI;
@@ -98,10 +104,10 @@ fn elements_beside_stops_are_refined_and_converge() -> Outcome {
     let found = scene(&rod("[structure]\nrefine = 8", ""), STOP)?;
     let structure = found.structure.straight().ok_or("not a rod")?;
     assert_eq!((structure.all_elements(), structure.free_dofs()), (243, 243));
-    let model = structural_model(&found)?;
+    let model = elements(&found)?;
     let contact = model.contacts()[0].normal.entries()[0].0;
     assert_eq!((contact, model.dofs()[contact].position), (242, 1.2));
-    let coarse = structural_model(&scene(&rod("[structure]", ""), STOP)?)?;
+    let coarse = elements(&scene(&rod("[structure]", ""), STOP)?)?;
     // The mass that is left out at the stop is eight times less.
     let at_stop = |model: &nlmodes::model::StructuralModel| {
         let last = model.dofs().len() - 1;
