@@ -139,7 +139,11 @@ impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
         for record in self.log.begin(&self.system.scales.correction_for_log(start.clone())) {
             let record = self.system.scales.record_in_scales(record);
             let is_whole = !record.stop.as_ref().is_some_and(StopReason::is_asked_for);
-            if repeated > 0 && is_whole {
+            if repeated > 0 {
+                if !is_whole {
+                    // The last one, which is taken anew from here.
+                    self.restore_border();
+                }
                 self.accept_foot();
             }
             if !self.holds(&record) {
