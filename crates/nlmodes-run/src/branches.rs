@@ -2,7 +2,6 @@
 
 pub(crate) mod curve;
 mod page;
-pub(crate) mod physical;
 mod references;
 pub mod repeated;
 mod several;
@@ -30,12 +29,12 @@ use crate::linear::{LinearFrequencies, frequencies};
 use crate::open_modes::OpenLinearModes;
 use crate::outcome::{PartOutcome, RunOutcome};
 use crate::overlay::{self, Laid, Overlaid};
+use crate::physical::recover;
 use crate::settings::{Models, branch_settings, models, models_sharing, starts};
 use crate::style::style_of;
 use crate::updating::updated;
 use crate::{Event, Failure, Observer, Over, RunError, doubts, links, mass, no_contact, refusal};
 use curve::BranchCurve;
-pub(crate) use physical::recover;
 use sink::{Sink, branch_directory};
 
 /// Computes the branches of scenes that differ in their method only, and writes their files into the directory that the

@@ -323,7 +323,7 @@ pub(crate) fn required(scene: &Scene) -> Requirement {
 pub(crate) fn residual(of: impl Iterator<Item = f64>) -> Check {
     let mut worst = Worst::default();
     of.enumerate().for_each(|(point, residual)| worst.take(point, residual));
-    worst.all.retain(|(_, value)| !(*value < worst.value.min(RESIDUAL)));
+    worst.all.retain(|(_, value)| value.is_nan() || *value >= worst.value.min(RESIDUAL));
     Check::found("equations", worst.value, RESIDUAL, "largest scaled residual of all points").at(&worst)
 }
 

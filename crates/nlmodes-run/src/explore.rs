@@ -68,8 +68,9 @@ use nlmodes::modal::ModalPoint;
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::Structures;
 
-use crate::branches::{curve::BranchCurve, recover};
+use crate::branches::curve::BranchCurve;
 use crate::curve::picture::MOST_POINTS;
+use crate::physical::recover;
 use crate::settings::{Models, branch_settings, models_sharing, starts};
 use crate::{RunError, refusal};
 

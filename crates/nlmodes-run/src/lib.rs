@@ -79,6 +79,7 @@ pub mod open_modes;
 mod outcome;
 pub mod overlay;
 pub mod passages;
+mod physical;
 mod progress;
 #[doc(hidden)]
 pub mod readers;

@@ -36,7 +36,7 @@ pub struct LinearFrequencies {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub characters: Vec<String>,
     /// For each mode with the contact mass kept, the standard deviation that the digits of the files leave of its
-    /// frequency, over that frequency; empty where they leave less than [`SETTLED`] of every one.
+    /// frequency, over that frequency; empty where they leave less than 1e-6 of every one.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub left_open: Vec<Option<f64>>,
     /// For each mode with the contact mass kept, the same one among those with the mass redistributed.

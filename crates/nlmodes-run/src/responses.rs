@@ -39,7 +39,6 @@ use curves::{Job, detached, follow, jobs};
 use model::Model;
 use overlaid::Beside;
 pub(crate) use picture::picture;
-pub(crate) use structure::recorded;
 use viewed::viewed;
 
 /// What came out of the responses of a scene.

@@ -115,7 +115,8 @@ fn linear_table(found: &LinearFrequencies) -> DataTable {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::branches::{curve::BranchCurve, physical};
+    use crate::branches::curve::BranchCurve;
+    use crate::physical;
     use crate::settings::{Models, branch_settings, models};
     use nlmodes::branches::{BranchSettings, compute_branch};
     use std::ops::ControlFlow;

@@ -7,10 +7,10 @@ use nlmodes::report::write_starts;
 use nlmodes_scene::assemble::OpenStructure;
 use nlmodes_scene::scene::Scene;
 
-use super::physical::displacements;
 use super::sink::branch_directory;
 use crate::Failure;
 use crate::files::STARTS;
+use crate::physical::displacements;
 
 /// Writes the file of each branch by shooting, from which `verify` can start the motions again without loss.
 pub fn write(

@@ -1,7 +1,6 @@
 //! Structure in free-interface modes from a scene, and positions on it.
 
 use nlmodes::fem::FemError;
-use nlmodes::hbm::MAX_RECORDED;
 use nlmodes::linalg::{multiply, triplets};
 use nlmodes::modal::Coordinate;
 use nlmodes::model::{Dof, DofKind, MassShift, MasslessContactModel, StructuralModel};
@@ -11,6 +10,7 @@ use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::{Assembly, Elements, OpenStructure, Structures, element_model, redistribution};
 use nlmodes_scene::scene::{BaseDirection, Direction, Place, Scene, StopOfBase, Structure, StructureKind, Support};
 
+use crate::physical::recorded;
 use crate::{RunError, chain, mass, refusal};
 
 /// A structure in free-interface modes, and its positions.
@@ -151,23 +151,6 @@ fn modes(
     let within = open.omega_squared().iter().take_while(|w| **w <= reach).count();
     let wanted = within.max(FEWEST).max(scene.method.mode + 1);
     if wanted < open.n_modes() { open.truncated(wanted) } else { Ok(open) }
-}
-
-/// All degrees of freedom, or evenly chosen ones and those of the contacts; and what they are.
-pub fn recorded(dofs: &[Dof], open: &OpenModes) -> (Vec<usize>, Vec<Coordinate>) {
-    let n = dofs.len();
-    let mut chosen: Vec<usize> = if n <= MAX_RECORDED {
-        (0..n).collect()
-    } else {
-        let even = (0..MAX_RECORDED / 2).map(|j| 2 * j * n / MAX_RECORDED);
-        even.chain(triplets(open.directions()).map(|(dof, _, _)| dof)).collect()
-    };
-    chosen.sort_unstable();
-    chosen.dedup();
-    let coordinate =
-        |dof: &usize| Coordinate { position: dofs[*dof].position, kind: dofs[*dof].kind.name().to_owned() };
-    let coordinates = chosen.iter().map(coordinate).collect();
-    (chosen, coordinates)
 }
 
 impl Reduced {

@@ -10,10 +10,10 @@ use nlmodes::timestep::{MAX_DOFS, TimestepError};
 use serde::Deserialize;
 
 use super::error::VerifyError;
-use crate::branches::physical;
 use crate::chain;
 use crate::files::STARTS;
 use crate::lcp::Archive;
+use crate::physical;
 use nlmodes_scene::assemble::{Assembly, OpenStructure, contact_model};
 use nlmodes_scene::scene::{MethodKind, Scene, Structure, Symmetry};
 

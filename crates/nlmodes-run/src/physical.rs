@@ -1,13 +1,14 @@
 //! Displacements of the degrees of freedom of rods and beams that are computed in free-interface modes.
 
 use nlmodes::branches::ComputedBranch;
-use nlmodes::linalg::Mat;
-use nlmodes::modal::{HarmonicCoefficients, ModalPoint};
+use nlmodes::hbm::MAX_RECORDED;
+use nlmodes::linalg::{Mat, triplets};
+use nlmodes::modal::{Coordinate, HarmonicCoefficients, ModalPoint};
+use nlmodes::model::Dof;
+use nlmodes_reduction::OpenModes;
 use nlmodes_scene::assemble::OpenStructure;
 use nlmodes_scene::scene::Scene;
 use num_complex::Complex64;
-
-use crate::responses::recorded;
 
 /// Gives the points of the branches of a rod or beam the displacements of its degrees of freedom in place of the reduced
 /// coordinates; of large structures those of evenly chosen ones and of the contacts. Others keep their coordinates.
@@ -26,6 +27,23 @@ pub fn recover<'a>(scene: &Scene, open: &OpenStructure, all: impl IntoIterator<I
             branch.coordinates.iter().position(|c| c.kind == own.kind.name() && c.position == own.position)
         });
     }
+}
+
+/// All degrees of freedom, or evenly chosen ones and those of the contacts; and what they are.
+pub fn recorded(dofs: &[Dof], open: &OpenModes) -> (Vec<usize>, Vec<Coordinate>) {
+    let n = dofs.len();
+    let mut chosen: Vec<usize> = if n <= MAX_RECORDED {
+        (0..n).collect()
+    } else {
+        let even = (0..MAX_RECORDED / 2).map(|j| 2 * j * n / MAX_RECORDED);
+        even.chain(triplets(open.directions()).map(|(dof, _, _)| dof)).collect()
+    };
+    chosen.sort_unstable();
+    chosen.dedup();
+    let coordinate =
+        |dof: &usize| Coordinate { position: dofs[*dof].position, kind: dofs[*dof].kind.name().to_owned() };
+    let coordinates = chosen.iter().map(coordinate).collect();
+    (chosen, coordinates)
 }
 
 /// The point with the displacements of these degrees of freedom.
