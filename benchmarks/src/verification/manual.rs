@@ -17,12 +17,16 @@ Problems with known answers, recomputed whenever this page is written:
 cargo run --release -p nlmodes-benchmarks --example verification
 ```
 
-`cargo test -p nlmodes-benchmarks --test verification` runs the same cases and compares their numbers with those of this page. A single case can be run:
-`cargo run --release -p nlmodes-benchmarks --example verification -- sdnd122` prints those whose name contains the word and writes nothing.
+`cargo test -p nlmodes-benchmarks --test verification` runs the same cases and compares their numbers with those of \
+    this page. A single case can be run:
+`cargo run --release -p nlmodes-benchmarks --example verification -- sdnd122` prints those whose name contains the \
+    word and writes nothing.
 
-No reference value was computed with this program. References are closed forms evaluated by the case itself (*exact*); other methods for the same
+No reference value was computed with this program. References are closed forms evaluated by the case itself (*exact*); \
+    other methods for the same
 equations, written only for the case (*independent computation*); published numbers (*other program*); or
-measurements (*measured*). Errors are relative unless a scale is given. Each limit has its reason: the theory of the discretisation error, or rounding.
+measurements (*measured*). Errors are relative unless a scale is given. Each limit has its reason: the theory of the \
+    discretisation error, or rounding.
 Errors below 1e-11 are shown as rounding.
 
 ";
@@ -30,7 +34,8 @@ Errors below 1e-11 are shown as rounding.
 const ERRORS: &str = "\
 ## What the cases are worth
 
-Deliberate errors, each put into a copy of the program (`benchmarks/mutations.py`), and the cases that fail upon it: of those that take less than a quarter of a
+Deliberate errors, each put into a copy of the program (`benchmarks/mutations.py`), and the cases that fail upon it: \
+    of those that take less than a quarter of a
 second, and of the others where none of these does.
 
 <!-- errors: written by benchmarks/mutations.py -->

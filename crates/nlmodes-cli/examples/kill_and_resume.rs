@@ -115,7 +115,8 @@ fn tell(figures: &Figures, points: usize) {
     println!("points in the table that were computed again: at most {}, {} in all", again.0, again.1);
     println!("last lines torn: {torn}; files read after the kills: {files}, unreadable: 0");
     println!(
-        "runs that went on to the end: {resumed}, all with the table and the coefficients of the run that was not killed"
+        "runs that went on to the end: {resumed}, all with the table and the coefficients of the run that was not \
+            killed"
     );
 }
 

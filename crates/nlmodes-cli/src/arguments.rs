@@ -55,7 +55,8 @@ Examples:
   nlmodes-cli run configs/rod.toml --set 'method.harmonics=[1,2,3]' --out results/harmonics
   nlmodes-cli run configs/rod.toml --resume                      go on where a run was interrupted
 
-Every point is on disk when it is found, in branch.csv or, of responses, in steps.jsonl. Ctrl-C ends the computation where it is and writes summary and figures; a second one ends at once.
+Every point is on disk when it is found, in branch.csv or, of responses, in steps.jsonl. Ctrl-C ends the computation \
+    where it is and writes summary and figures; a second one ends at once.
 A directory with the results of another scene is left as it is, unless `--force` is given.")]
     Run {
         #[command(flatten)]
@@ -93,7 +94,8 @@ Example:
     /// Solve contact problems 0 ≤ A λ + b ⊥ λ ≥ 0 of a NumPy archive
     #[command(after_help = "\
 Example:
-  python -c 'import numpy as n; n.savez(\"problem.npz\", A=n.array([[2., 1.], [1., 2.]]), b=n.array([[-1., 1.], [-1., -1.]]))'
+  python -c 'import numpy as n; n.savez(\"problem.npz\", A=n.array([[2., 1.], [1., 2.]]), b=n.array([[-1., 1.], [-1., \
+      -1.]]))'
   nlmodes-cli lcp problem.npz --contact-solver lemke --out solution.npz
 
 Exit status 1 where a sample has no solution, 2 where the archive holds no contact problem.")]
@@ -112,7 +114,8 @@ Examples:
 
 A branch may pass a frequency several times, each time with another motion: all are told.
 
-Exit status 1 where none passes it, which `answer` says of each in JSON; 2 where there are no results or a table is damaged.")]
+Exit status 1 where none passes it, which `answer` says of each in JSON; 2 where there are no results or a table is \
+    damaged.")]
     At(at::Arguments),
     /// Integrate the full structure from a computed point, and print by how much it fails to return after a period
     #[command(after_help = "\
@@ -146,7 +149,8 @@ Examples:
   nlmodes-cli explore configs/beam_two_stops.toml
   nlmodes-cli explore configs/rod.toml --set method.harmonics=1
 
-The page is for this machine only, and for whoever has its address. Nothing is written but what is saved, beside the scene. Ctrl-C ends.")]
+The page is for this machine only, and for whoever has its address. Nothing is written but what is saved, beside the \
+    scene. Ctrl-C ends.")]
     #[cfg(feature = "explore")]
     Explore(explore::Arguments),
     /// Not in this build: a page with sliders, on which the branch is computed anew while one drags
@@ -159,7 +163,8 @@ Examples:
   nlmodes-cli figures results/beam/frequency_energy.svg --format png --dots-per-inch 600
   nlmodes-cli figures results/beam --width-mm 90 --no-titles             drawn anew for one column
 
-The width of those that a run writes, and their titles, are output.figure_width_mm and output.figure_titles of the scene.")]
+The width of those that a run writes, and their titles, are output.figure_width_mm and output.figure_titles of the \
+    scene.")]
     #[cfg(feature = "print")]
     Figures(figures::Arguments),
     /// Not in this build: convert the figures of results to PDF or PNG
@@ -204,7 +209,8 @@ pub enum Experiment {
 Example:
   nlmodes-cli experiment extract configs/measured_record.toml --out results/measured
 
-Exit status 1 where a record gives no point, with the reason in the table; 2 where a file cannot be read, and nothing is written.")]
+Exit status 1 where a record gives no point, with the reason in the table; 2 where a file cannot be read, and nothing \
+    is written.")]
     Extract {
         #[command(flatten)]
         scene: SceneArguments,

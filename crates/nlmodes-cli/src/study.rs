@@ -22,7 +22,8 @@ Examples:
   nlmodes-cli study run configs/gap_study.toml
   nlmodes-cli study run configs/gap_study.toml --shard 0/8     every eighth case: on eight machines 0/8 to 7/8
 
-What is there is not computed again, and what was interrupted goes on: after Ctrl-C, a killed process or a full disk the same call goes on.
+What is there is not computed again, and what was interrupted goes on: after Ctrl-C, a killed process or a full disk \
+    the same call goes on.
 A case that fails is a row of the table with its reason.")]
     Run(run::Arguments),
     /// Print how many cases are complete, failed and missing
@@ -49,7 +50,8 @@ Example:
   echo '{\"id\": 1, \"set\": {\"gap_m\": 1e-3}}' | nlmodes-cli study serve configs/gap_study.toml
   {\"id\":1,\"status\":\"complete\",\"reason\":\"\",\"quantities\":{\"f_2\":46.1,\"largest_force_n\":61.2},\"case\":\"b0af6d14a3c51e02\"}
 
-Names are those of the study's variables, or keys that `--set` takes. Answers come in the order in which they are done. What is there is not computed again.")]
+Names are those of the study's variables, or keys that `--set` takes. Answers come in the order in which they are \
+    done. What is there is not computed again.")]
     Serve(serve::Arguments),
 }
 

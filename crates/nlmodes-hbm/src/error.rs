@@ -28,7 +28,8 @@ pub enum HbmError {
         needed: usize,
     },
     /// The mode number is zero or beyond the number of modes.
-    #[error("mode {mode} does not exist: the structure has {available} {}", if *.available == 1 { "mode" } else { "modes" })]
+    #[error("mode {mode} does not exist: the structure has {available} \
+        {}", if *.available == 1 { "mode" } else { "modes" })]
     NoSuchMode {
         /// The mode asked for, from 1.
         mode: usize,
@@ -37,7 +38,8 @@ pub enum HbmError {
     },
     /// The linear mode does not move any contact.
     #[error(
-        "mode {mode} ({frequency_hz:.4} Hz) never touches: its largest motion at a contact is {ratio:.1e} of its largest motion"
+        "mode {mode} ({frequency_hz:.4} Hz) never touches: its largest motion at a contact is {ratio:.1e} of its \
+            largest motion"
     )]
     NeverTouches {
         /// The mode, from 1.
@@ -49,7 +51,8 @@ pub enum HbmError {
     },
     /// The contact nodes were all that had mass of what moves with them.
     #[error(
-        "mode {mode} ({frequency_hz:.4} Hz) moves no contact: all that moves with the contacts has lost its mass with them. A finer mesh \
+        "mode {mode} ({frequency_hz:.4} Hz) moves no contact: all that moves with the contacts has lost its mass with \
+            them. A finer mesh \
          has other nodes with mass, a mass redistribution by \"move\" or \"conserve\" needs some too"
     )]
     NoMassBehindContacts {
@@ -68,7 +71,8 @@ pub enum HbmError {
     },
     /// A contact presses at rest: the open modes are not those of the motion about rest.
     #[error(
-        "contact {contact} presses at rest (gap {gap} m): damped and forced motions in open modes start from open contacts"
+        "contact {contact} presses at rest (gap {gap} m): damped and forced motions in open modes start from open \
+            contacts"
     )]
     PressedAtRest {
         /// Index of the contact.
@@ -97,7 +101,8 @@ pub enum HbmError {
     },
     /// Frequency, negative damping or level are not usable numbers.
     #[error(
-        "the motion has frequency {omega} rad/s, negative damping {xi} 1/s and load level {level}; the frequency must be positive, all finite"
+        "the motion has frequency {omega} rad/s, negative damping {xi} 1/s and load level {level}; the frequency must \
+            be positive, all finite"
     )]
     OperatingPoint {
         /// Angular frequency.
@@ -149,7 +154,8 @@ pub enum HbmError {
     /// Conventional harmonic balance with a contact spring so stiff that rounding takes the place of the structure's
     /// own stiffness.
     #[error(
-        "the spring of contact {contact} is {ratio:.0e} times as stiff as the structure behind it: harmonic balance with a contact \
+        "the spring of contact {contact} is {ratio:.0e} times as stiff as the structure behind it: harmonic balance \
+            with a contact \
          stiffness is possible up to {most:.0e}; a rigid stop (ms-hbm) has no such limit"
     )]
     ContactTooStiff {

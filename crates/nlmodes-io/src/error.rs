@@ -97,7 +97,8 @@ pub enum Problem {
     },
     /// One entry of a matrix is given twice.
     #[error(
-        "entry ({row}, {column}) is there a second time; expected each entry once, those beside the diagonal as the file's triangle has them"
+        "entry ({row}, {column}) is there a second time; expected each entry once, those beside the diagonal as the \
+            file's triangle has them"
     )]
     Duplicate {
         /// Its row, as the file counts or names rows.
@@ -107,7 +108,8 @@ pub enum Problem {
     },
     /// A matrix that is stored in full is not symmetric.
     #[error(
-        "entry ({row}, {column}) is {value:e} and ({column}, {row}) is {mirrored:e}; expected a symmetric matrix, both triangles stored"
+        "entry ({row}, {column}) is {value:e} and ({column}, {row}) is {mirrored:e}; expected a symmetric matrix, both \
+            triangles stored"
     )]
     NotSymmetric {
         /// Row of the entry.
@@ -161,7 +163,8 @@ pub enum Problem {
     },
     /// A row of the stiffness matrix that no structure has.
     #[error(
-        "the stiffness of {dof} is {value:e}; expected a positive value on the diagonal (is the file cut off, or a support missing?)"
+        "the stiffness of {dof} is {value:e}; expected a positive value on the diagonal (is the file cut off, or a \
+            support missing?)"
     )]
     Diagonal {
         /// The degree of freedom.

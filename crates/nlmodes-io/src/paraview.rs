@@ -58,7 +58,8 @@ impl Surface {
         ];
         let head = format!(
             "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
-             header_type=\"UInt32\">\n<UnstructuredGrid>\n<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<Points>\n{}\
+             header_type=\"UInt32\">\n<UnstructuredGrid>\n<Piece NumberOfPoints=\"{}\" \
+             NumberOfCells=\"{}\">\n<Points>\n{}\
              </Points>\n<Cells>\n{}</Cells>\n",
             points.len(),
             types.len(),
@@ -140,7 +141,8 @@ fn array(kind: &str, name: &str, components: usize, bytes: &[u8]) -> String {
     let mut counted = (bytes.len() as u32).to_le_bytes().to_vec();
     counted.extend_from_slice(bytes);
     format!(
-        "<DataArray type=\"{kind}\" Name=\"{}\" NumberOfComponents=\"{components}\" format=\"binary\">\n{}\n</DataArray>\n",
+        "<DataArray type=\"{kind}\" Name=\"{}\" NumberOfComponents=\"{components}\" \
+            format=\"binary\">\n{}\n</DataArray>\n",
         escaped(name),
         STANDARD.encode(counted)
     )

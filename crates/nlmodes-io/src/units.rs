@@ -99,7 +99,8 @@ impl fmt::Display for UnitSystem {
 /// There is no such system of units.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error(
-    "there are no units `{name}`; expected SI or length-mass-time, as mm-t-s, with m, mm, cm, um, in or ft; kg, t, g, mg, \
+    "there are no units `{name}`; expected SI or length-mass-time, as mm-t-s, with m, mm, cm, um, in or ft; kg, t, g, \
+        mg, \
      lb, slinch or slug; s, ms or us"
 )]
 pub struct UnknownUnits {

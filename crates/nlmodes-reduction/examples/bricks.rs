@@ -60,7 +60,8 @@ const ROWS: [[usize; 5]; 4] =
 
 fn table(rows: usize) -> Result<(), Failure> {
     println!(
-        "| degrees of freedom | contacts | modes | estimate: factor, GB | order, s | reduction, s CPU | by the clock, s | peak memory, GB |"
+        "| degrees of freedom | contacts | modes | estimate: factor, GB | order, s | reduction, s CPU | by the clock, \
+            s | peak memory, GB |"
     );
     println!("| ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |");
     for size in ROWS.iter().take(rows) {

@@ -96,7 +96,8 @@ impl ReducedStructure {
         &self.model
     }
 
-    /// Displacements of degrees of freedom of the structure that was reduced, of coordinates `x = (η, u)`, column by column: `q = Φ η + (K⁻¹ − Φ Ω⁻² Φᵀ) W λ` with the contact forces `λ` of `u + Y η = −A f`.
+    /// Displacements of degrees of freedom of the structure that was reduced, of coordinates `x = (η, u)`, column by
+    /// column: `q = Φ η + (K⁻¹ − Φ Ω⁻² Φᵀ) W λ` with the contact forces `λ` of `u + Y η = −A f`.
     ///
     /// # Panics
     /// If `x` or `open` has another size, or there is no such degree of freedom.

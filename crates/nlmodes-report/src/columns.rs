@@ -99,12 +99,16 @@ pub fn markdown() -> String {
 const INTRODUCTION: &str = "\
 # Files, columns and arrays
 
-What a run writes, name by name; `nlmodes-cli columns` prints the same. Everything is in SI units. Points are numbered from 0 in the order of the
-branch, stops from 0 in the order of the scene (`contact.0.gap_m` on the command line is stop 0), modes and harmonics from 1 (harmonic 0 is the
-mean). `…` stands for a number. A motion is `q(t) = Re Σ_n q_n e^{inωt}`, n = 0 to the number of harmonics; displacements are positive along the
+What a run writes, name by name; `nlmodes-cli columns` prints the same. Everything is in SI units. Points are numbered \
+    from 0 in the order of the
+branch, stops from 0 in the order of the scene (`contact.0.gap_m` on the command line is stop 0), modes and harmonics \
+    from 1 (harmonic 0 is the
+mean). `…` stands for a number. A motion is `q(t) = Re Σ_n q_n e^{inωt}`, n = 0 to the number of harmonics; \
+    displacements are positive along the
 axis of the structure (axial) or to its positive side (deflection), contact forces positive away from the stop.
 
-`docs/scripts/plot_results.m` (MATLAB, Octave) and `docs/scripts/plot_results.py` (NumPy, Matplotlib, SciPy) read `results.mat` and draw frequency
+`docs/scripts/plot_results.m` (MATLAB, Octave) and `docs/scripts/plot_results.py` (NumPy, Matplotlib, SciPy) read \
+    `results.mat` and draw frequency
 over energy with the events, as in Fig. 3 b of Peter et al. (2019), and the contact forces of one period.
 ";
 

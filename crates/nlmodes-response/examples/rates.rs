@@ -42,7 +42,8 @@ type Quantities = [f64; 3];
 
 fn main() -> Result<()> {
     println!(
-        "| structure | harmonics from | fundamental | share of contact | largest force |\n| --- | --- | --- | --- | --- |"
+        "| structure | harmonics from | fundamental | share of contact | largest force |\n| --- | --- | --- | --- | \
+            --- |"
     );
     for case in [rod(2, 0.2, 0.42)?, rod(10, 0.2, 0.28)?, beam(8.0, 42.0)?] {
         let (solutions, state) = solutions(&case)?;

@@ -59,8 +59,8 @@ impl ResponsePoint {
     }
 }
 
-/// Why the continuation has no further points, of at most `max_points`; `bound` says what a bound that was reached is to
-/// the curve, by its coordinate and the value there.
+/// Why the continuation has no further points, of at most `max_points`; `bound` says what a bound that was reached is
+/// to the curve, by its coordinate and the value there.
 pub fn curve_end(
     stop: &StopReason,
     max_points: usize,

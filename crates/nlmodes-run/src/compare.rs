@@ -25,7 +25,8 @@ pub use text::text;
 pub fn rows(file: &SceneFile, solvers: &[String]) -> Result<Vec<Row>, RunError> {
     if file.scene.method.kind == MethodKind::Shooting {
         let title = "there are no contact solvers to compare in method \"shooting\"";
-        let help = "it solves contact problems at the start of a motion only; method.kind = \"ms-hbm\" solves one at each instant";
+        let help = "it solves contact problems at the start of a motion only; method.kind = \"ms-hbm\" solves one at \
+            each instant";
         return Err(file.error_at("method.kind", title, "expected \"ms-hbm\" or \"hbm\" here", &[help]).into());
     }
     if !file.scene.responses.is_empty() {

@@ -10,8 +10,9 @@ use nlmodes_scene::assemble::OpenStructure;
 use nlmodes_scene::scene::Scene;
 use num_complex::Complex64;
 
-/// Gives the points of the branches of a rod or beam the displacements of its degrees of freedom in place of the reduced
-/// coordinates; of large structures those of evenly chosen ones and of the contacts. Others keep their coordinates.
+/// Gives the points of the branches of a rod or beam the displacements of its degrees of freedom in place of the
+/// reduced coordinates; of large structures those of evenly chosen ones and of the contacts. Others keep their
+/// coordinates.
 pub fn recover<'a>(scene: &Scene, open: &OpenStructure, all: impl IntoIterator<Item = &'a mut ComputedBranch>) {
     if scene.structure.straight().is_none() {
         return;
@@ -108,8 +109,8 @@ mod tests {
         files.swap_remove(0).scene
     }
 
-    /// Coordinates of the contacts are displacements along the axis, whatever the side of the stop; the strain energy of
-    /// the structure is that of the reduced one; and the way back leads to the same coordinates.
+    /// Coordinates of the contacts are displacements along the axis, whatever the side of the stop; the strain energy
+    /// of the structure is that of the reduced one; and the way back leads to the same coordinates.
     #[test]
     fn displacements_of_a_beam_follow_from_its_reduced_coordinates_and_lead_back() {
         let scene = scene();

@@ -32,12 +32,14 @@ pub enum RedrawError {
     NotASummary(#[from] serde_json::Error),
     /// It has no scene whose figures have a width.
     #[error(
-        "only figures of branches and responses are drawn anew: figures of records and tests have one width, and those of a folder branch_1 … are the figures of the folder above"
+        "only figures of branches and responses are drawn anew: figures of records and tests have one width, and those \
+            of a folder branch_1 … are the figures of the folder above"
     )]
     NoScene,
     /// It is a folder within the results of a run.
     #[error(
-        "the figures of one method, number of harmonics or branch are drawn anew with the whole run: name the folder above"
+        "the figures of one method, number of harmonics or branch are drawn anew with the whole run: name the folder \
+            above"
     )]
     Within,
     /// The run had not ended.

@@ -63,7 +63,8 @@ pub enum SheetError {
         columns: Vec<String>,
     },
     /// A row has another number of cells than there are columns.
-    #[error("{}, line {line}: {} in a table of {expected} columns; {}", path.display(), count(*found), why(*found, *expected, *separator))]
+    #[error("{}, line {line}: {} in a table of {expected} columns; \
+        {}", path.display(), count(*found), why(*found, *expected, *separator))]
     Cells {
         /// The table.
         path: PathBuf,

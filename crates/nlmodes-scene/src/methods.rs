@@ -65,7 +65,8 @@ mod tests {
         count(DeTable::parse_recoverable(text).0.get_ref())
     }
 
-    const TEXT: &str = "a = '''\n[[method]]\n'''\n[[ method ]] # first\nkind = \"ms-hbm\" # é\n\n[[method]]\nkind = \"hbm\"\n[output]\nb = 2\n";
+    const TEXT: &str = "a = '''\n[[method]]\n'''\n[[ method ]] # first\nkind = \"ms-hbm\" # é\n\n[[method]]\nkind \
+        = \"hbm\"\n[output]\nb = 2\n";
 
     #[test]
     fn each_method_has_a_scene_with_the_same_places() {

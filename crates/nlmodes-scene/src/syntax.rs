@@ -99,7 +99,10 @@ fn no_scene(text: &str) -> Option<Diagnostic> {
             .at(start..end, format!("this looks like {kind}"))
             .help("a scene is a TOML file; `nlmodes-cli new rod` writes one with comments");
     Some(match kind {
-        "a table, as CSV" => diagnostic.help("a scene names its tables: measured points under [[overlay]], measured records under [recording]; `nlmodes-cli at` asks branch.csv of a run"),
+        "a table, as CSV" => diagnostic.help(
+            "a scene names its tables: measured points under [[overlay]], measured \
+            records under [recording]; `nlmodes-cli at` asks branch.csv of a run",
+        ),
         _ => diagnostic,
     })
 }

@@ -159,7 +159,8 @@ fn main() -> Outcome<()> {
     for amplitude in AMPLITUDES {
         println!("\nmodal amplitude {amplitude:e} m √kg");
         println!(
-            "method | Hz | peak force N | of its 5 harmonics | impulse N s | contact % | touches | peak mm | apart % | 5th harmonic %"
+            "method | Hz | peak force N | of its 5 harmonics | impulse N s | contact % | touches | peak mm | apart % | \
+                5th harmonic %"
         );
         let rigid = up_to_amplitude(&models[0].1, models[0].0, amplitude)?;
         let reference = history(&rigid, models[0].0)?;

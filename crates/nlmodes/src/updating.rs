@@ -47,7 +47,8 @@ pub enum UpdatingError<E: Error + 'static> {
         value: f64,
     },
     /// The structure does not have a target's mode.
-    #[error("mode {mode} does not exist: the structure has {available} {}", if *.available == 1 { "mode" } else { "modes" })]
+    #[error("mode {mode} does not exist: the structure has {available} \
+        {}", if *.available == 1 { "mode" } else { "modes" })]
     NoSuchMode {
         /// The mode.
         mode: usize,
@@ -56,7 +57,8 @@ pub enum UpdatingError<E: Error + 'static> {
     },
     /// Different parameters give the same frequencies.
     #[error(
-        "these frequencies cannot tell the parameters apart: there are changes of them that leave all frequencies as they are"
+        "these frequencies cannot tell the parameters apart: there are changes of them that leave all frequencies as \
+            they are"
     )]
     Indistinct,
     /// No step brings the frequencies closer.

@@ -86,7 +86,8 @@ pub enum PhaseLoopError {
     },
     /// Gains beyond the limit of Routh.
     #[error(
-        "unstable gains: at a proportional gain of {proportional} 1/s the integral gain must lie between 0 and {limit} 1/s², \
+        "unstable gains: at a proportional gain of {proportional} 1/s the integral gain must lie between 0 and {limit} \
+            1/s², \
          not at {integral} 1/s²"
     )]
     UnstableGains {

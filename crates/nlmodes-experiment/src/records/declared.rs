@@ -119,7 +119,8 @@ impl Declared {
         }
         if (declared / factor).ln().abs() > CALIBRATION.ln() {
             let header = format!(
-                "{header}, which makes a number {factor:e} of the SI; unit and sensitivity of the scene make it {declared:e}"
+                "{header}, which makes a number {factor:e} of the SI; unit and sensitivity of the scene make it \
+                    {declared:e}"
             );
             remarks.push(Remark::HeaderDisagrees { channel: channel.name.clone(), header });
         }

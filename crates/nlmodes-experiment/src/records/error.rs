@@ -173,7 +173,8 @@ pub enum RecordError {
     },
     /// Channels begin at different instants, which are not known well enough.
     #[error(
-        "channel \"{channel}\" begins at {start} s, \"{first}\" at {first_start} s, by the digits of the file ± {rounding:e} s: \
+        "channel \"{channel}\" begins at {start} s, \"{first}\" at {first_start} s, by the digits of the file ± \
+            {rounding:e} s: \
          too few to put their samples side by side"
     )]
     StartsUncertain {
@@ -210,7 +211,8 @@ pub enum RecordError {
     },
     /// Time steps are not uniform.
     #[error(
-        "sample {sample} stands {deviation:.3} sampling intervals from where an even time axis has it; samples lost or a clock that drifts?"
+        "sample {sample} stands {deviation:.3} sampling intervals from where an even time axis has it; samples lost or \
+            a clock that drifts?"
     )]
     UnevenTime {
         /// Number of the sample, from 0.
@@ -220,7 +222,8 @@ pub enum RecordError {
     },
     /// The sampling rate of the file is not the one that was declared.
     #[error(
-        "sampling-rates-disagree: the file has {found} Hz, {declared} Hz are declared: {relative:.2e} relative, {limit:.2e} are allowed"
+        "sampling-rates-disagree: the file has {found} Hz, {declared} Hz are declared: {relative:.2e} relative, \
+            {limit:.2e} are allowed"
     )]
     RateDisagrees {
         /// Declared, Hz.

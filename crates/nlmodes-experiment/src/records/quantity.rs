@@ -106,8 +106,8 @@ impl Quantity {
         }
     }
 
-    /// Factor from a unit to SI, however it is spelled: `m/s²`, `m/s2` and `m/s**2` are one. `None` for a unit that does
-    /// not measure this.
+    /// Factor from a unit to SI, however it is spelled: `m/s²`, `m/s2` and `m/s**2` are one. `None` for a unit that
+    /// does not measure this.
     pub fn factor(self, unit: &str) -> Option<f64> {
         let usual = unit::usual(unit);
         self.units().iter().find(|(name, _)| *name == usual).map(|(_, factor)| *factor)

@@ -41,7 +41,8 @@ impl fmt::Display for Remark {
         match self {
             Self::StartsDiffer { channel, start, first, first_start, samples } => write!(
                 f,
-                "channel \"{channel}\" begins at {start} s, \"{first}\" at {first_start} s: the {samples} samples are taken that all \
+                "channel \"{channel}\" begins at {start} s, \"{first}\" at {first_start} s: the {samples} samples are \
+                    taken that all \
                  channels have in common"
             ),
             Self::HeaderDisagrees { channel, header } => write!(f, "channel \"{channel}\": the file says {header}"),

@@ -1,4 +1,5 @@
-//! All tests of `nlmodes-experiment` beside those in its sources, as one binary: each would link all dependencies once more.
+//! All tests of `nlmodes-experiment` beside those in its sources, as one binary: each would link all dependencies once
+//! more.
 
 mod disturbed;
 mod files;

@@ -63,8 +63,8 @@ impl ModeSums {
         }
     }
 
-    /// The sums at the squared frequency `nu2` for the forces `λ` (c, all real) over all modes but the more resonant one of the
-    /// two around it; that mode, and the number of the others below `nu2`.
+    /// The sums at the squared frequency `nu2` for the forces `λ` (c, all real) over all modes but the more resonant
+    /// one of the two around it; that mode, and the number of the others below `nu2`.
     pub fn set(&mut self, nu2: f64, force: &[Complex64]) -> Option<(usize, usize)> {
         let passed = self.squares.partition_point(|square| *square < nu2);
         let resonance = |k: &usize| self.coupling[*k] / (self.squares[*k] - nu2).abs();

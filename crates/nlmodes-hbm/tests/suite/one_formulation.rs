@@ -8,8 +8,8 @@ use nlmodes_model::Side;
 use support::modal::{settings, solver};
 use support::{condense, condense_tips, follow, on_springs, problem, rod};
 
-/// In the order of their nodes: a stop at the tip, stops at two places, stops that face each other, and a soft one whose tip is massless while the
-/// structure keeps its mass.
+/// In the order of their nodes: a stop at the tip, stops at two places, stops that face each other, and a soft one
+/// whose tip is massless while the structure keeps its mass.
 fn structures() -> Vec<CondensedStructure> {
     let with = |stops: &[(usize, Side, f64)]| rod(9, 1.0, 1.0, 1.0, stops);
     let tip = with(&[(9, Side::Positive, 1.0)]);

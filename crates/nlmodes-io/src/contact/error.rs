@@ -23,7 +23,8 @@ pub enum ContactProblem {
     /// The node has no row.
     #[error(
         "node {node} has no displacement in the matrices: it is fixed, dependent on other nodes (*EQUATION, *MPC, \
-         *TIE, nodes of a *RIGID BODY or *COUPLING; the reference node of a rigid body or of a *KINEMATIC coupling has rows, \
+         *TIE, nodes of a *RIGID BODY or *COUPLING; the reference node of a rigid body or of a *KINEMATIC coupling has \
+         rows, \
          that of a *DISTRIBUTING one has none), a node of rotations (ROT NODE), one \
          of which CalculiX made several that are not all free, or not there"
     )]
@@ -58,7 +59,8 @@ pub enum ContactProblem {
     },
     /// Given neither by the choice nor by the table of pairs.
     #[error(
-        "node {node} has no {what}: its line in the table of pairs says none; expected it there, as node_a,node_b,nx,ny,nz,gap_m, or `{}` beside `pairs` for all such lines",
+        "node {node} has no {what}: its line in the table of pairs says none; expected it there, as \
+            node_a,node_b,nx,ny,nz,gap_m, or `{}` beside `pairs` for all such lines",
         if *.what == "gap" { "gap_m" } else { what }
     )]
     Unsaid {
@@ -75,7 +77,8 @@ pub enum ContactProblem {
     },
     /// No node of the other body lies on the normal.
     #[error(
-        "node {node} has no partner: node {nearest} is the nearest along the normal, {distance:.3e} m beside it; expected at most {tolerance:.3e} m: nodes face each other \
+        "node {node} has no partner: node {nearest} is the nearest along the normal, {distance:.3e} m beside it; \
+            expected at most {tolerance:.3e} m: nodes face each other \
          within `pair_tolerance_m`. Take meshes that match there, a larger `pair_tolerance_m`, or a table `pairs`"
     )]
     NoPartner {
@@ -90,7 +93,8 @@ pub enum ContactProblem {
     },
     /// The other node lies on the wrong side.
     #[error(
-        "node {other} lies {distance:.3e} m behind node {node}, which touches what its normal [{}, {}, {}] points to: turn the normal round, or take a node ahead",
+        "node {other} lies {distance:.3e} m behind node {node}, which touches what its normal [{}, {}, {}] points to: \
+            turn the normal round, or take a node ahead",
         .normal[0], .normal[1], .normal[2]
     )]
     Behind {

@@ -59,14 +59,12 @@ fn dof(lines: &Lines, node: &[u8], direction: &[u8]) -> Result<DofLabel> {
         (Some(number), Some(_)) if number < 0 => Err(lines.error(Problem::Refused {
             found: format!("node {number}"),
             expected: "nodes of the mesh",
-            reason: "negative numbers are Lagrange multipliers of constraints or contacts, which have no mass and no positive \
+            reason: "negative numbers are Lagrange multipliers of constraints or contacts, which have no mass and no \
+                positive \
                      stiffness; write the constraints as equations, which Abaqus eliminates",
         })),
-        (Some(number), Some(direction)) if number > 0 && direction > 0 => {
-            label(number as u64, direction as u64, false).ok_or_else(|| {
-                lines.expected("a direction from 1 to 6", direction.to_string().as_bytes())
-            })
-        }
+        (Some(number), Some(direction)) if number > 0 && direction > 0 => label(number as u64, direction as u64, false)
+            .ok_or_else(|| lines.expected("a direction from 1 to 6", direction.to_string().as_bytes())),
         (Some(number), _) if number > 0 => Err(lines.expected("a direction from 1 to 6", direction)),
         _ => Err(lines.expected("a node, as in `node,dof, node,dof, value`", node)),
     }

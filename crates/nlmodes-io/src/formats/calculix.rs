@@ -45,7 +45,8 @@ fn index(lines: &Lines, field: &[u8], what: &str, order: Option<usize>) -> Resul
     let beyond = unsigned(field).is_some_and(|found| found > most as u64);
     if let (Some(order), true) = (order, beyond) {
         let expected = format!(
-            "a {what} from 1 to {order}, as many as the table of degrees of freedom has: .dof, .sti and .mas of one run belong together (those of a cyclic \
+            "a {what} from 1 to {order}, as many as the table of degrees of freedom has: .dof, .sti and .mas of one \
+                run belong together (those of a cyclic \
              sector with a nodal diameter are complex, with twice the rows, and cannot be used)"
         );
         return Err(lines.expected(expected, field));

@@ -177,7 +177,8 @@ impl Npz<'_> {
                     }
                     Err(file) => file,
                 };)+
-                Err(self.refuse(name, "whole numbers (int32 or int64)", format!("numbers of type {}", $file.dtype().descr())))
+                Err(self.refuse(name, "whole numbers (int32 or int64)", format!("numbers of type \
+                    {}", $file.dtype().descr())))
             }};
         }
         read_as!(file, i32, i64, u32, u64)

@@ -70,7 +70,8 @@ pub(super) fn read(path: &Path) -> Result<Mesh> {
                 return Err(source.error(Problem::Refused {
                     found: shown(source.line()),
                     expected: "cards with all of their fields",
-                    reason: "cards that repeat fields of the one before are not read; write the deck with all its nodes",
+                    reason: "cards that repeat fields of the one before are not read; write the deck with all its \
+                        nodes",
                 }));
             }
             Start::Card | Start::Results => {

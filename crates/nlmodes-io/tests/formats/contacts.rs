@@ -141,7 +141,8 @@ fn contacts_that_cannot_be_are_refused() {
         (vec![wall(&[7], x, 0.0)], "node 7 has no displacement in the matrices"),
         (
             vec![wall(&[9], x, 0.0)],
-            "node 9 cannot move along its normal [1, 0, 0]: it is fixed there, or dependent on other nodes (*EQUATION, *MPC, *TIE, *COUPLING, *RIGID BODY)",
+            "node 9 cannot move along its normal [1, 0, 0]: it is fixed there, or dependent on other nodes (*EQUATION, \
+                *MPC, *TIE, *COUPLING, *RIGID BODY)",
         ),
         (
             vec![wall(&[1], x, 0.0), wall(&[2, 1], [2.0, 0.0, 0.0], 0.0)],
@@ -156,7 +157,8 @@ fn contacts_that_cannot_be_are_refused() {
         (vec![surface], "node 1 is not on the surface of the mesh"),
         (
             vec![nearest(set("A"), ContactNodes::Numbers(vec![5]), Some(1e-5))],
-            "node 2 has no partner: node 5 is the nearest along the normal, 1.000e-3 m beside it; expected at most 1.000e-5 m: nodes face each other within \
+            "node 2 has no partner: node 5 is the nearest along the normal, 1.000e-3 m beside it; expected at most \
+                1.000e-5 m: nodes face each other within \
              `pair_tolerance_m`",
         ),
         (vec![nearest(set("A"), set("C"), None)], "there is no node set `C`; expected one of `A`, `B`"),
@@ -169,7 +171,8 @@ fn contacts_that_cannot_be_are_refused() {
                 normal: Some(NormalChoice::Vector([-1.0, 0.0, 0.0])),
                 ..nearest(set("A"), set("B"), None)
             }],
-            "node 5 lies 3.000e-3 m behind node 1, which touches what its normal [-1, 0, 0] points to: turn the normal round, or take a node ahead",
+            "node 5 lies 3.000e-3 m behind node 1, which touches what its normal [-1, 0, 0] points to: turn the normal \
+                round, or take a node ahead",
         ),
         (
             // A clearance as large as the distance in the mesh does not make up for the wrong side.
@@ -191,7 +194,8 @@ fn contacts_that_cannot_be_are_refused() {
         (vec![table("plain.csv")], "or `normal` beside `pairs` for all such lines"),
         (
             vec![ContactChoice { normal: Some(NormalChoice::Vector(x)), ..table("plain.csv") }],
-            "node 2 has no gap: its line in the table of pairs says none; expected it there, as node_a,node_b,nx,ny,nz,gap_m, or `gap_m` beside `pairs`",
+            "node 2 has no gap: its line in the table of pairs says none; expected it there, as \
+                node_a,node_b,nx,ny,nz,gap_m, or `gap_m` beside `pairs`",
         ),
         (vec![table("bad.csv")], "bad.csv:2: found `2,6,1`; expected node_a,node_b or node_a,node_b,nx,ny,nz,gap_m"),
     ];

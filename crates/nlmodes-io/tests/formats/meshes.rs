@@ -143,7 +143,8 @@ fn the_area_of_a_face_is_that_of_its_nodes_together_as_seen_along_their_directio
 #[test]
 fn nodes_in_the_middle_of_edges_have_the_pieces_around_them() {
     let triangle = "1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n4, 0, 0, 1\n5, 0.5, 0, 0\n6, 0.5, 0.5, 0\n7, 0, 0.5, 0\n\
-                    8, 0, 0, 0.5\n9, 0.5, 0, 0.5\n10, 0, 0.5, 0.5\n*ELEMENT, TYPE=C3D10, ELSET=E\n1, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10\n";
+                    8, 0, 0, 0.5\n9, 0.5, 0, 0.5\n10, 0, 0.5, 0.5\n*ELEMENT, TYPE=C3D10, ELSET=E\n1, 1, 2, 3, 4, 5, 6, \
+                    7, 8, 9, 10\n";
     let corners = ["0, 0, 0", "1, 0, 0", "1, 1, 0", "0, 1, 0", "0, 0, 1", "1, 0, 1", "1, 1, 1", "0, 1, 1"];
     let middles = [
         "0.5, 0, 0",
@@ -182,7 +183,8 @@ fn nodes_in_the_middle_of_edges_have_the_pieces_around_them() {
 
 #[test]
 fn coordinates_that_are_left_out_are_zero() {
-    let text = "*NODE\n1\n2, 1.5\n3, , 2\n4, 1, 2,\n5, 1, 2, , 3.0\n6, 1, , 3, 0, 0, 1\n*ELEMENT, TYPE=S3, ELSET=E\n1, 1, 2, 3\n";
+    let text = "*NODE\n1\n2, 1.5\n3, , 2\n4, 1, 2,\n5, 1, 2, , 3.0\n6, 1, , 3, 0, 0, 1\n*ELEMENT, TYPE=S3, ELSET=E\n1, \
+        1, 2, 3\n";
     let mesh = mesh("x.inp", text).unwrap();
     let expected = [[0.0; 3], [1.5, 0.0, 0.0], [0.0, 2.0, 0.0], [1.0, 2.0, 0.0], [1.0, 2.0, 0.0], [1.0, 0.0, 3.0]];
     assert_eq!(mesh.places, expected);
@@ -216,7 +218,8 @@ fn supports_along_other_axes_are_known_where_they_hold_all() {
 
 #[test]
 fn decks_say_what_they_hold() {
-    let lines = "*BOUNDARY\n1, 1, 3\nEND, 2\n 12, 1\n3, ENCASTRE\n4, ZSYMM\n*STEP\n*BOUNDARY, OP=MOD\n5, 3, 3, 0.0\nnobody, 1\n6, 4, 6\n*END STEP\n";
+    let lines = "*BOUNDARY\n1, 1, 3\nEND, 2\n 12, 1\n3, ENCASTRE\n4, ZSYMM\n*STEP\n*BOUNDARY, OP=MOD\n5, 3, 3, \
+        0.0\nnobody, 1\n6, 4, 6\n*END STEP\n";
     let mesh = mesh("x.inp", &format!("{TWO_BRICKS}{lines}")).unwrap();
     let supports = mesh.supports.unwrap();
     let expected = [
@@ -285,10 +288,14 @@ fn sets_that_name_more_than_fits_into_memory_are_refused_at_their_line() {
 
 #[test]
 fn both_versions_of_gmsh_give_the_same_mesh() {
-    let four = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 7 \"PAD face\"\n3 1 \"BODY\"\n$EndPhysicalNames\n$Entities\n0 0 1 1\n\
-                1 0 0 0 1 1 0 1 7 0\n1 0 0 0 1 1 1 1 1 1 1\n$EndEntities\n$Nodes\n2 4 1 9\n2 1 0 3\n1\n2\n3\n0 0 0\n1 0 0\n0 1 0\n\
-                3 1 0 1\n9\n0 0 1\n$EndNodes\n$Elements\n2 2 1 2\n2 1 2 1\n1 1 3 2\n3 1 4 1\n2 1 2 3 9\n$EndElements\n$Comments\nx\n$EndComments\n";
-    let two = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 7 \"PAD face\"\n3 1 \"BODY\"\n$EndPhysicalNames\n$Nodes\n4\n1 0 0 0\n\
+    let four = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 7 \"PAD face\"\n3 \
+        1 \"BODY\"\n$EndPhysicalNames\n$Entities\n0 0 1 1\n\
+                1 0 0 0 1 1 0 1 7 0\n1 0 0 0 1 1 1 1 1 1 1\n$EndEntities\n$Nodes\n2 4 1 9\n2 1 0 3\n1\n2\n3\n0 0 0\n1 \
+                0 0\n0 1 0\n\
+                3 1 0 1\n9\n0 0 1\n$EndNodes\n$Elements\n2 2 1 2\n2 1 2 1\n1 1 3 2\n3 1 4 1\n2 1 2 3 \
+                9\n$EndElements\n$Comments\nx\n$EndComments\n";
+    let two = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 7 \"PAD face\"\n3 \
+        1 \"BODY\"\n$EndPhysicalNames\n$Nodes\n4\n1 0 0 0\n\
                2 1 0 0\n3 0 1 0\n9 0 0 1\n$EndNodes\n$Elements\n2\n1 2 2 7 1 1 3 2\n2 4 2 1 1 1 2 3 9\n$EndElements\n";
     let (four, two) = (mesh("x.msh", four).unwrap(), mesh("x.msh", two).unwrap());
     assert_eq!(four, two);

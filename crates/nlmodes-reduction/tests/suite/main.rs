@@ -1,4 +1,5 @@
-//! All tests of `nlmodes-reduction` beside those in its sources, as one binary: each would link all dependencies once more.
+//! All tests of `nlmodes-reduction` beside those in its sources, as one binary: each would link all dependencies once
+//! more.
 
 mod few_digits;
 mod held_modes;

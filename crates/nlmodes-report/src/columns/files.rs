@@ -8,28 +8,35 @@ use crate::table::{HARMONIC_ARRAYS, HISTORY_ARRAYS, MATLAB_VARIABLES, START_ARRA
 pub const FILES: [FileMeaning; 22] = [
     FileMeaning {
         name: "branch.csv",
-        meaning: "The branch, a row a point, written as points are found; other branches of a run stand in folders of their own",
+        meaning: "The branch, a row a point, written as points are found; other branches of a run stand in folders of \
+            their own",
         columns: &[BranchRow::COLUMNS],
     },
     FileMeaning {
         name: "branch.csv of responses",
-        meaning: "Of a scene with responses, the points of all its curves: the columns above, with the frequency of the load in `frequency_hz` and the amplitude of stop 0 at that frequency in `fundamental_m`, and these",
+        meaning: "Of a scene with responses, the points of all its curves: the columns above, with the frequency of \
+            the load in `frequency_hz` and the amplitude of stop 0 at that frequency in `fundamental_m`, and these",
         columns: &[ResponseRow::COLUMNS],
     },
     FileMeaning {
         name: "appropriation.csv",
-        meaning: "Of responses of kind \"appropriation\", the forces that bring the damped structure into its mode, a row a point, drive point and harmonic; of a test with several controlled harmonics the measured ones, a row a level and harmonic",
+        meaning: "Of responses of kind \"appropriation\", the forces that bring the damped structure into its mode, a \
+            row a point, drive point and harmonic; of a test with several controlled harmonics the measured ones, a \
+            row a level and harmonic",
         columns: &[AppropriationRow::COLUMNS],
     },
     FileMeaning { name: "contacts.csv", meaning: "The stops, a row a point and stop", columns: &[ContactRow::COLUMNS] },
     FileMeaning {
         name: "harmonics.npz",
-        meaning: "The motions as complex Fourier coefficients, for NumPy (P points, D recorded degrees of freedom, H harmonics)",
+        meaning: "The motions as complex Fourier coefficients, for NumPy (P points, D recorded degrees of freedom, H \
+            harmonics)",
         columns: &[&HARMONIC_ARRAYS],
     },
     FileMeaning {
         name: "histories.npz",
-        meaning: "Motion and force of the contacts over a period, for the points that figures show, of responses the one with the largest contact force of each curve, and those of `output.histories` (P points, C contacts, T instants)",
+        meaning: "Motion and force of the contacts over a period, for the points that figures show, of responses the \
+            one with the largest contact force of each curve, and those of `output.histories` (P points, C contacts, T \
+            instants)",
         columns: &[&HISTORY_ARRAYS],
     },
     FileMeaning {
@@ -49,37 +56,48 @@ pub const FILES: [FileMeaning; 22] = [
     },
     FileMeaning {
         name: "backbone.csv",
-        meaning: "Of virtual tests, the computed curve that is laid under the points, with the columns of `branch.csv`; `backbone_ms-hbm.csv`, `backbone_damped-mode.csv` and `backbone_phase-resonance.csv` beside it where these are asked for",
+        meaning: "Of virtual tests, the computed curve that is laid under the points, with the columns of \
+            `branch.csv`; `backbone_ms-hbm.csv`, `backbone_damped-mode.csv` and `backbone_phase-resonance.csv` beside \
+            it where these are asked for",
         columns: &[],
     },
     FileMeaning {
         name: "overlay.csv",
-        meaning: "With `[[overlay]]`: its points against the first branch at equal modal amplitude, or equal energy where they have no amplitude",
+        meaning: "With `[[overlay]]`: its points against the first branch at equal modal amplitude, or equal energy \
+            where they have no amplitude",
         columns: &[DifferenceRow::COLUMNS],
     },
     FileMeaning {
         name: "response_overlay.csv",
-        meaning: "With `[[overlay]]` beside responses: its points against the curve over the frequency that is nearest at the same frequency, of the same level where the point has one",
+        meaning: "With `[[overlay]]` beside responses: its points against the curve over the frequency that is nearest \
+            at the same frequency, of the same level where the point has one",
         columns: &[ResponseDifferenceRow::COLUMNS],
     },
     FileMeaning {
         name: "methods.csv",
-        meaning: "Where a scene has several methods or numbers of harmonics: each point of the others against the first one at equal modal amplitude",
+        meaning: "Where a scene has several methods or numbers of harmonics: each point of the others against the \
+            first one at equal modal amplitude",
         columns: &[DifferenceRow::COLUMNS],
     },
     FileMeaning {
         name: "methods_stops.csv",
-        meaning: "The same stop by stop: the impulse of each at equal modal amplitude, or energy, and at equal frequency; `overlay_stops.csv` where a branch with `contacts.csv` is laid over",
+        meaning: "The same stop by stop: the impulse of each at equal modal amplitude, or energy, and at equal \
+            frequency; `overlay_stops.csv` where a branch with `contacts.csv` is laid over",
         columns: &[StopDifferenceRow::COLUMNS],
     },
     FileMeaning {
         name: "starts.npz",
-        meaning: "With `method.kind = \"shooting\"`: the states from which the exact motions start at rest (P points, D degrees of freedom)",
+        meaning: "With `method.kind = \"shooting\"`: the states from which the exact motions start at rest (P points, \
+            D degrees of freedom)",
         columns: &[&START_ARRAYS],
     },
     FileMeaning {
         name: "summary.json",
-        meaning: "The scene as read, linear frequencies, grazing point, method, `reduction` (free-interface modes, and by how much half as many change the frequency), `contacts` of a structure from files (nodes, normal, gap of each number), `motion` (the point that `motion.pvd` shows), events, internal resonances, stability, why the branch ended, times; of responses the same of each curve; under `errors` the estimated error of each number with its largest source and what makes it smaller, under `certificate` what was compared",
+        meaning: "The scene as read, linear frequencies, grazing point, method, `reduction` (free-interface modes, and \
+            by how much half as many change the frequency), `contacts` of a structure from files (nodes, normal, gap \
+            of each number), `motion` (the point that `motion.pvd` shows), events, internal resonances, stability, why \
+            the branch ended, times; of responses the same of each curve; under `errors` the estimated error of each \
+            number with its largest source and what makes it smaller, under `certificate` what was compared",
         columns: &[],
     },
     FileMeaning {
@@ -89,12 +107,17 @@ pub const FILES: [FileMeaning; 22] = [
     },
     FileMeaning {
         name: "frequency_energy.svg",
-        meaning: "Figures, also `frequency_amplitude.svg`, `contacts.svg`, `participation.svg`, `motion_….svg`, `history_P….svg`; of responses `responses.svg` and others instead of the first two, and motions, contacts and histories of the first curve, up to its largest contact force; left out with `output.figures = false`",
+        meaning: "Figures, also `frequency_amplitude.svg`, `contacts.svg`, `participation.svg`, `motion_….svg`, \
+            `history_P….svg`; of responses `responses.svg` and others instead of the first two, and motions, contacts \
+            and histories of the first curve, up to its largest contact force; left out with `output.figures = false`",
         columns: &[],
     },
     FileMeaning {
         name: "motion.pvd",
-        meaning: "For ParaView, of a structure from files whose mesh is known: one period with frames `motion_….vtu`, number of the node, displacement in m (NaN where it depends on other nodes), contact_force in N, gap in m, and where contacts cover faces of the mesh contact_pressure in Pa (with nodes in the middle of edges it is larger there than at corners, as the forces of nodes are)",
+        meaning: "For ParaView, of a structure from files whose mesh is known: one period with frames `motion_….vtu`, \
+            number of the node, displacement in m (NaN where it depends on other nodes), contact_force in N, gap in m, \
+            and where contacts cover faces of the mesh contact_pressure in Pa (with nodes in the middle of edges it is \
+            larger there than at corners, as the forces of nodes are)",
         columns: &[],
     },
     FileMeaning { name: "run.json", meaning: "Whose results these are", columns: &[] },

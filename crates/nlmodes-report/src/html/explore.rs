@@ -24,7 +24,8 @@ pub const SCRIPT: &str = concat!(
 );
 
 /// Content policy of the page: only from the same origin.
-pub const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+pub const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; base-uri \
+    'none'; form-action 'none'; frame-ancestors 'none'";
 
 /// The page, with its sliders: `[{ key, label, unit, kind, from, to, value }]`.
 pub fn page(title: &str, sliders: &Value) -> String {

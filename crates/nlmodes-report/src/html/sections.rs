@@ -14,7 +14,8 @@ use crate::stations;
 use crate::svg::escape;
 use nlmodes_modal::{Event, ModalPoint, TimeHistory, tongues};
 
-const HINT: &str = "Wheel or drag to zoom, shift and drag to move, double click to see all again. Point at the curve for its values; \
+const HINT: &str = "Wheel or drag to zoom, shift and drag to move, double click to see all again. Point at the curve \
+    for its values; \
     click to see that motion beside it. With the keyboard: arrows, Enter, + − 0.";
 
 /// A section: its anchor, its title, its content.
@@ -59,7 +60,8 @@ impl HtmlReport<'_> {
         let (class, beside) = if motion.is_empty() { ("pair", motion) } else { ("stage", motion) };
         format!(
             "<p class=\"hint needs-script control\">{HINT}</p>\n<div id=\"legend\"></div>\n<div class=\"{class}\">\
-             <div class=\"curves\">{main}{energy}{amplitude}</div>{beside}</div>\n<div id=\"lay\" class=\"controls needs-script control\"></div>\n"
+             <div class=\"curves\">{main}{energy}{amplitude}</div>{beside}</div>\n<div id=\"lay\" class=\"controls \
+             needs-script control\"></div>\n"
         )
     }
 
@@ -107,7 +109,8 @@ impl HtmlReport<'_> {
             ""
         };
         format!(
-            "<div class=\"beside\">{details}<div class=\"box\" id=\"moving\"><h3>Motion at the chosen point</h3><div id=\"walk\" class=\"controls\"></div>\
+            "<div class=\"beside\">{details}<div class=\"box\" id=\"moving\"><h3>Motion at the chosen point</h3><div \
+                id=\"walk\" class=\"controls\"></div>\
              <div id=\"controls\" class=\"controls\"></div>\
              <div class=\"still\">{}</div><div id=\"motion\" class=\"needs-script\"></div>{contact}</div></div>\n",
             still.as_svg()
@@ -118,8 +121,10 @@ impl HtmlReport<'_> {
         let Some(wireframe) = &self.wireframe else { return String::new() };
         let (title, still) = (escape(&wireframe.name), wireframe.still());
         format!(
-            "<p class=\"hint needs-script control\">Drag or use the arrows to turn it, wheel to zoom, double click to see it as at first.</p>\n\
-             <figure class=\"box\"><h3>{title}</h3><div class=\"still\">{still}</div><div id=\"wire\" class=\"needs-script\"></div></figure>\n"
+            "<p class=\"hint needs-script control\">Drag or use the arrows to turn it, wheel to zoom, double click to \
+                see it as at first.</p>\n\
+             <figure class=\"box\"><h3>{title}</h3><div class=\"still\">{still}</div><div id=\"wire\" \
+             class=\"needs-script\"></div></figure>\n"
         )
     }
 
@@ -281,7 +286,8 @@ fn quantities(point: &ModalPoint) -> [String; 3] {
 fn boxed(title: &str, figure: &Figure, attribute: &str) -> String {
     let (title, svg) = (escape(title), figure.as_svg());
     format!(
-        "<figure class=\"box\"><h3>{title}</h3><div class=\"still\">{svg}</div><div class=\"plot\" {attribute}></div></figure>\n"
+        "<figure class=\"box\"><h3>{title}</h3><div class=\"still\">{svg}</div><div class=\"plot\" \
+            {attribute}></div></figure>\n"
     )
 }
 

@@ -121,7 +121,8 @@ impl Wireframe {
             path
         };
         format!(
-            "<svg viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"Wireframe of the structure, at rest and displaced\">\
+            "<svg viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"Wireframe of the structure, at rest and \
+                displaced\">\
              <path d=\"{}\" class=\"trail\"/><path d=\"{}\" class=\"wire\"/></svg>",
             lines(&rest),
             lines(&now)

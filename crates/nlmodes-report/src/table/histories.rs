@@ -15,7 +15,8 @@ pub const HISTORY_ARRAYS: [Column; 7] = [
     Column::new(
         "time_s",
         "P × T, s",
-        "instants of one period, ascending, both ends among them; where a contact closes or opens stand two, a rounding apart, just before and just after",
+        "instants of one period, ascending, both ends among them; where a contact closes or opens stand two, a \
+            rounding apart, just before and just after",
     ),
     Column::new("displacement_m", "P × C × T, m", "displacement of the contact along its direction"),
     Column::new("velocity_m_s", "P × C × T, m/s", "its rate, which may jump where a contact closes or opens"),

@@ -18,7 +18,8 @@ use tempfile::TempDir;
 const OMEGA_0: f64 = TAU * 60.0;
 const WINDOW: (u32, u32) = (1400, 1000);
 /// A title that breaks out of every element in which it is not escaped.
-const TITLE: &str = "Rod </title></script><script>document.title='broken'</script><img src=x onerror=\"document.title='broken'\"> & \"stop\"";
+const TITLE: &str = "Rod </title></script><script>document.title='broken'</script><img src=x \
+    onerror=\"document.title='broken'\"> & \"stop\"";
 
 /// Largest deflection of point `k` of the first branch, m.
 fn amplitude(k: usize) -> f64 {
@@ -151,7 +152,8 @@ fn figures_are_there_and_nothing_is_asked_of_a_network() {
     );
     let invalid = "return document.body.innerHTML.match(/(NaN|Infinity|undefined)[^<>]*/)?.[0] ?? ''";
     let body = format!(
-        "document.getElementById('data').remove(); document.querySelectorAll('script').forEach(s => s.remove()); {invalid}"
+        "document.getElementById('data').remove(); document.querySelectorAll('script').forEach(s => s.remove()); \
+            {invalid}"
     );
     assert_eq!(browser.text(&body), "");
     assert_eq!(browser.number("return performance.getEntriesByType('resource').length"), 0.0);
@@ -166,7 +168,8 @@ fn figures_are_there_and_nothing_is_asked_of_a_network() {
 fn policy_refuses_what_the_page_did_not_bring() {
     let (_folder, path) = page();
     let Some(browser) = Browser::open(&path, WINDOW, &[]) else { return };
-    let inject = "const s = document.createElement('script'); s.textContent = 'document.title = \"broken\"'; document.body.append(s); \
+    let inject = "const s = document.createElement('script'); s.textContent = 'document.title = \"broken\"'; \
+        document.body.append(s); \
         const i = new Image(); i.src = 'http://127.0.0.1:9/x.png'; document.body.append(i); return document.title";
     assert_eq!(browser.text(inject), TITLE);
     let refusals = browser.console();

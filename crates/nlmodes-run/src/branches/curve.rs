@@ -55,8 +55,8 @@ impl Curve for BranchCurve<'_> {
         let line = |contact: &DofContact| {
             let dof = structure.model().dofs()[contact.dof];
             let is_there = |c: &Coordinate| c.kind == dof.kind.name() && c.position == dof.position;
-            // What is recorded is numbered, which of large structures is not every degree of freedom; displacements that
-            // are recovered from free-interface modes have numbers of their own.
+            // What is recorded is numbered, which of large structures is not every degree of freedom; displacements
+            // that are recovered from free-interface modes have numbers of their own.
             let recorded = structure.recorded_index(contact.dof);
             let recorded = recorded.filter(|&k| coordinates.get(k).is_some_and(is_there));
             Some(StopLine {

@@ -239,7 +239,8 @@ pub fn method_used(scene: &Scene, computed: &ComputedBranch) -> MethodUsed {
         },
         equations: match computed.largest_unfolding {
             None if scene.method.kind == MethodKind::Shooting => {
-                "rest at the beginning and after half a period (motions even in time); harmonics.npz has the coefficients of the exact motion"
+                "rest at the beginning and after half a period (motions even in time); harmonics.npz has the \
+                    coefficients of the exact motion"
             }
             None => "cosine coefficients only (motions even in time): square without a phase anchor",
             Some(_) => "full Fourier series with a phase anchor and an unfolding parameter",

@@ -51,7 +51,8 @@ fn candidates(few: &[usize], all: usize) -> Vec<usize> {
     points
 }
 
-/// What twice as many harmonics change: where an accuracy was asked for, of the frequency by its estimates at all points.
+/// What twice as many harmonics change: where an accuracy was asked for, of the frequency by its estimates at all
+/// points.
 pub fn harmonics(computed: &ComputedBranch, few: &[usize], sources: Sources<'_>, look: Looking<'_>) -> Vec<Check> {
     let source = of_harmonics(computed);
     if computed.is_exact() {
@@ -100,8 +101,8 @@ fn estimated(computed: &ComputedBranch, source: ErrorSource) -> Option<Check> {
     (!worst.all.is_empty()).then_some(check)
 }
 
-/// What modes left out do to the linear frequency of a mode with a contact closed: an estimate, or nothing where half as
-/// many do not reach the mode.
+/// What modes left out do to the linear frequency of a mode with a contact closed: an estimate, or nothing where half
+/// as many do not reach the mode.
 pub(crate) fn open_modes(open: &OpenModes, mode: usize, contact: usize) -> Check {
     let kept = open.n_modes();
     let (name, command) = (counted(kept, "mode"), format!("--set reduction.modes={}", 2 * kept));

@@ -34,7 +34,8 @@ pub fn frequency(scene: &Scene) -> Check {
     match (omega(own, mode), omega(&finer, mode)) {
         (Some(coarse), Some(fine)) if fine > 0.0 => {
             let words = format!(
-                "linear frequency of mode {mode} with {} elements for {}; forces were not compared. Says nothing where the elements are the structure, as in a chain of masses",
+                "linear frequency of mode {mode} with {} elements for {}; forces were not compared. Says nothing where \
+                    the elements are the structure, as in a chain of masses",
                 finer.elements, own.elements
             );
             let source = ErrorSource {

@@ -33,7 +33,8 @@ mod tests {
 
     #[test]
     fn keys_of_another_scene_are_named_as_they_are_written() {
-        let text = "[structure]\nlength_m = 1\nmaterial = { youngs_modulus_pa = 1 }\n[[contact]]\ngap_m = 1\n[[contact]]\ngap_m = 2\nat_m = 1\n";
+        let text = "[structure]\nlength_m = 1\nmaterial = { youngs_modulus_pa = 1 }\n[[contact]]\ngap_m = \
+            1\n[[contact]]\ngap_m = 2\nat_m = 1\n";
         let refused = nlmodes_scene::parse("a.toml", text, &[]).unwrap_err();
         for (key, written) in [
             ("contacts.1.gap", "contact.1.gap_m"),

@@ -26,7 +26,8 @@ pub fn text(title: &str, rows: &[Row]) -> String {
     let chords =
         |row: &Row| row.outcome.as_ref().is_ok_and(|r| matches!(r.difference, Some(Difference::FromChords(_))));
     if rows.iter().any(chords) {
-        text += "~           the branch has another number of points: distance from the chords of the first, with their error\n";
+        text += "~           the branch has another number of points: distance from the chords of the first, with \
+            their error\n";
     }
     text
 }

@@ -12,8 +12,8 @@ use crate::Failure;
 use crate::style::style_of;
 
 /// Writes what the contacts of the first curve do over frequency, the participation of linear modes in all, and
-/// pictures of the motion of the first: `contacts.svg`, `participation.svg`, `motion_1.svg` …; `title` stands above what
-/// is of the first.
+/// pictures of the motion of the first: `contacts.svg`, `participation.svg`, `motion_1.svg` …; `title` stands above
+/// what is of the first.
 pub fn write(directory: &Path, scene: &Scene, curves: &[&dyn Curve], title: &str) -> Result<(), Failure> {
     let Some(curve) = curves.first().copied() else { return Ok(()) };
     let (branch, style) = (curve.branch(), style_of(&scene.files));

@@ -56,8 +56,10 @@ impl Period {
     pub fn warning(&self) -> Option<String> {
         let first = self.dependent.first()?;
         Some(format!(
-            "{} nodes of the surface have displacements without a row in the matrices, and no support in the deck: they depend on others (*EQUATION, *RIGID BODY, \
-             *TIE), as node {first} does; their motion is not known, and is left out of motion.pvd and of the wireframe",
+            "{} nodes of the surface have displacements without a row in the matrices, and no support in the deck: \
+                they depend on others (*EQUATION, *RIGID BODY, \
+             *TIE), as node {first} does; their motion is not known, and is left out of motion.pvd and of the \
+             wireframe",
             self.dependent.len()
         ))
     }

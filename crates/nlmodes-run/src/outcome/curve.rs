@@ -8,8 +8,8 @@ use nlmodes::branches::ComputedBranch;
 const COLUMNS: usize = 40;
 const BLOCKS: [char; 8] = ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
 
-/// `60.7866 Hz ▁▁▂▃▄▆▇█ 66.5000 Hz, over 1.0 to 4.2 grazing energies`: frequency over the logarithm of the energy, at each
-/// column that of the point next to it; nothing for fewer than three points.
+/// `60.7866 Hz ▁▁▂▃▄▆▇█ 66.5000 Hz, over 1.0 to 4.2 grazing energies`: frequency over the logarithm of the energy, at
+/// each column that of the point next to it; nothing for fewer than three points.
 pub fn blocks(computed: &ComputedBranch) -> Option<String> {
     let points = computed.branch.points.iter();
     let points: Vec<[f64; 2]> = points.map(|point| [point.kinetic_energy, point.omega / TAU]).collect();

@@ -74,7 +74,8 @@ fn wandered(computed: &ComputedBranch) -> Option<String> {
     let modes = computed.structure.modes().len();
     (computed.is_exact() && folds >= FOLDS).then(|| {
         format!(
-            "; it turned {folds} times, on tongues of internal resonances with its {modes} modes (fewer method.held_modes have fewer)"
+            "; it turned {folds} times, on tongues of internal resonances with its {modes} modes (fewer \
+                method.held_modes have fewer)"
         )
     })
 }
@@ -86,7 +87,8 @@ fn beyond_accuracy(computed: &ComputedBranch, name: &str) -> Vec<String> {
     let Some(reached) = computed.accuracy.filter(|reached| reached.points_beyond > 0) else { return Vec::new() };
     let (beyond, all, [_, most]) = (reached.points_beyond, computed.branch.points.len(), reached.harmonics);
     let mut lines = vec![format!(
-        "{name}{beyond} of {all} points do not reach the accuracy with up to {most} harmonics; the largest estimated error is {:.1e} (column error_estimate)",
+        "{name}{beyond} of {all} points do not reach the accuracy with up to {most} harmonics; the largest estimated \
+            error is {:.1e} (column error_estimate)",
         reached.largest_estimate
     )];
     let stretches = computed.beyond_accuracy();

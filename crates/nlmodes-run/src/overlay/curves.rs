@@ -108,10 +108,12 @@ mod tests {
 
     #[test]
     fn a_table_of_results_has_a_curve_for_each_level_and_a_measured_one_has_points() {
-        let text = "frequency_hz,fundamental_m,response,curve,name,level,kind\n40,1e-3,1,1,4 N,4,frequency\n41,-2e-3,1,1,4 N,4,frequency\n,,,,,,\n40,2e-3,2,1,mode,,mode\n40,9,3,1,up,2,force\n";
+        let text = "frequency_hz,fundamental_m,response,curve,name,level,kind\n40,1e-3,1,1,4 \
+            N,4,frequency\n41,-2e-3,1,1,4 N,4,frequency\n,,,,,,\n40,2e-3,2,1,mode,,mode\n40,9,3,1,up,2,force\n";
         let (found, unused) = read_table("branch.csv", text).unwrap();
         let said = unused.sentence("branch.csv".as_ref()).unwrap();
-        let wanted = "branch.csv: 2 of 5 rows are not used: 1 without a frequency above 0 Hz (line 4), 1 of kinds that are no curves over the frequency (line 6)";
+        let wanted = "branch.csv: 2 of 5 rows are not used: 1 without a frequency above 0 Hz (line 4), 1 of kinds that \
+            are no curves over the frequency (line 6)";
         assert_eq!(said, wanted);
         assert_eq!(
             found.iter().map(|c| (c.branch.label.as_str(), c.kind, c.branch.points.len())).collect::<Vec<_>>(),

@@ -50,7 +50,8 @@ pub enum OverlayError {
     #[error("{} has no row with a frequency and an amplitude or an energy", .0.display())]
     NoPoint(PathBuf),
     /// A table of responses has no mode.
-    #[error("{} holds responses to loads, and no mode; beside a mode they mean nothing: lay them over a scene with [response]", .0.display())]
+    #[error("{} holds responses to loads, and no mode; beside a mode they mean nothing: lay them over a scene with \
+        [response]", .0.display())]
     OnlyLoads(PathBuf),
     /// A table has more rows than a branch has points.
     #[error("{} has more than {MOST_ROWS} rows", .0.display())]

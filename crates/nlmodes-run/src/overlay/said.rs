@@ -98,7 +98,8 @@ fn left_out(count: usize, what: &str) -> String {
         n => {
             let points = if n == 1 { "1 point is".to_owned() } else { format!("{n} points are") };
             format!(
-                "; {points} left out, where one of the two has several motions of that {what} (internal resonances, folds): the nearest may be on another half-branch"
+                "; {points} left out, where one of the two has several motions of that {what} (internal resonances, \
+                    folds): the nearest may be on another half-branch"
             )
         }
     }

@@ -98,7 +98,8 @@ pub fn lines(all: &[Vec<StopChange>], names: &[String]) -> Vec<String> {
 pub fn stops_table(laid: &Laid, all: &[Vec<StopChange>], (names, own): (&[String], &str)) -> DataTable {
     let own = if own.is_empty() { "this branch" } else { own };
     let title = format!(
-        "Impulse of each stop, by how much it differs: {} against {own}; left out are points with several motions, and those at which one of both touches it alone",
+        "Impulse of each stop, by how much it differs: {} against {own}; left out are points with several motions, and \
+            those at which one of both touches it alone",
         laid.branch.label
     );
     let head =

@@ -23,7 +23,8 @@ pub fn text(results: &Path, abscissa: Abscissa, value: f64, curves: &[Curve]) ->
         text += &format!("{}{name}: {here} {times}\n", table.display());
         for [from, to] in &curve.left_out {
             text += &format!(
-                "\n  between points {from} and {to} a tongue was left out, and {here} lies in it: nothing is known there\n"
+                "\n  between points {from} and {to} a tongue was left out, and {here} lies in it: nothing is known \
+                    there\n"
             );
         }
         let digits = Digits::of(&curve.passages);
@@ -47,7 +48,8 @@ pub fn text(results: &Path, abscissa: Abscissa, value: f64, curves: &[Curve]) ->
         };
         return format!("{}: {here} is not passed; {lie}\n", results.display());
     }
-    text + "Between points values are interpolated along the branch by cubic pieces that go beyond none of the two. Largest forces of short blows need not converge with\nharmonics, impulses do.\n"
+    text + "Between points values are interpolated along the branch by cubic pieces that go beyond none of the two. \
+        Largest forces of short blows need not converge with\nharmonics, impulses do.\n"
 }
 
 fn unit(abscissa: Abscissa) -> &'static str {

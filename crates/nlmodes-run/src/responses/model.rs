@@ -237,7 +237,8 @@ fn give_way(beyond_modes: &[f64]) -> impl Iterator<Item = String> {
     let large = beyond_modes.iter().enumerate().filter(|(_, share)| **share > SMALL);
     large.map(|(i, share)| {
         format!(
-            "dashpot {i}: its force bends the structure beyond the modes that are taken, by {:.1} % of its own displacement at the frequency of the mode (ω c a, a the flexibility \
+            "dashpot {i}: its force bends the structure beyond the modes that are taken, by {:.1} % of its own \
+                displacement at the frequency of the mode (ω c a, a the flexibility \
              that these modes leave over), which is left out; more reduction.modes, or a place beside the contact node",
             100.0 * share
         )

@@ -96,7 +96,8 @@ pub fn left_out(laid: &LaidCurve, found: &[Beside]) -> Option<String> {
         return None;
     }
     Some(format!(
-        "overlay {}: {left} of its {all} points have no response of this scene at their frequency and level, or no amplitude; they are drawn and not compared",
+        "overlay {}: {left} of its {all} points have no response of this scene at their frequency and level, or no \
+            amplitude; they are drawn and not compared",
         laid.branch.label
     ))
 }

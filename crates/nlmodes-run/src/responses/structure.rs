@@ -124,7 +124,8 @@ fn missing_mass(reduction: &OpenStructure, direction: BaseDirection) -> Option<S
     // A free structure would follow without any force.
     let next_to_supports = force.iter().zip(&diagonal).filter(|(f, k)| f.abs() > FOLLOWS * **k).count();
     (next_to_supports > 0).then(|| {
-        "the base moves the mass that is in the files; that between supported nodes and their neighbours is not, where the files hold the supports \
+        "the base moves the mass that is in the files; that between supported nodes and their neighbours is not, where \
+            the files hold the supports \
          already (write matrices of the free structure and name its supports in `fixed` to have it)"
             .to_owned()
     })

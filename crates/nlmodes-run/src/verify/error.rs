@@ -31,7 +31,8 @@ pub enum VerifyError {
     },
     /// The results are forced or damped motions, which are not kept up without load and damping.
     #[error(
-        "these are responses; a period is followed of nonlinear modes, without load and damping. The same scene with method.harmonics twice as large, these results laid over it by [[overlay]], says what harmonics leave out"
+        "these are responses; a period is followed of nonlinear modes, without load and damping. The same scene with \
+            method.harmonics twice as large, these results laid over it by [[overlay]], says what harmonics leave out"
     )]
     Responses,
     /// A file cannot be read.

@@ -64,7 +64,8 @@ fn words(scene: &TestScene, error: &RigError) -> (&'static str, String, String) 
         }
         RigError::Loop(PhaseLoopError::AboveNyquist { harmonic, omega, limit }) => {
             let title = format!(
-                "{rate} Hz are too few for the loop: half of them must lie above harmonic {harmonic} of {} Hz, twice the frequency of mode {mode}",
+                "{rate} Hz are too few for the loop: half of them must lie above harmonic {harmonic} of {} Hz, twice \
+                    the frequency of mode {mode}",
                 hz(*omega)
             );
             (RATE, title, at_least(1.0 / limit * (1.0 + 1e-5)))

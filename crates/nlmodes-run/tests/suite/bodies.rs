@@ -18,7 +18,8 @@ fn facing(second: f64, gap: f64, own: [&str; 2]) -> String {
     let first = rod("[[structure]]", 1.0, ["clamped", "free"], own[0]);
     let second = rod("[[structure]]", second, ["free", "clamped"], own[1]);
     format!(
-        "{first}{second}[[contact]]\nstructure = 1\nat_m = 1.0\ndirection = \"axial\"\nside = \"positive\"\ngap_m = {gap}\n\
+        "{first}{second}[[contact]]\nstructure = 1\nat_m = 1.0\ndirection = \"axial\"\nside = \"positive\"\ngap_m = \
+            {gap}\n\
          against = {{ structure = 2, at_m = 0.0 }}\n"
     )
 }
@@ -52,7 +53,8 @@ fn two_rods_that_are_driven_against_each_other_are_one_before_a_wall() {
     for (gap, level, hz) in [(1e-4, 150.0, 1297.0), (3e-6, 5.0, 1305.0)] {
         let load = "[damping]\nratio = 0.01\n[[force]]\nat_m = 0.5\n";
         let one = curve(&before_wall(gap), &format!("{load}{}", over_force(hz, level)), 6);
-        let load = "[damping]\nratio = 0.01\n[[force]]\nstructure = 1\nat_m = 0.5\n[[force]]\nstructure = 2\nat_m = 0.5\namplitude_n = -1\n";
+        let load = "[damping]\nratio = 0.01\n[[force]]\nstructure = 1\nat_m = 0.5\n[[force]]\nstructure = 2\nat_m = \
+            0.5\namplitude_n = -1\n";
         let two = curve(&facing(1.0, 2.0 * gap, ["", ""]), &format!("{load}{}", over_force(hz, level)), 12);
         // Both curves end at the level.
         let (one, two) = (one.last().unwrap(), two.last().unwrap());
@@ -101,7 +103,8 @@ fn power_that_goes_in_at_one_structure_is_lost_in_both() {
 #[test]
 fn a_base_shakes_all_structures() {
     // Each far from the other moves as it does alone; the acceleration is that of one base.
-    let shakes = "[damping]\nratio = 0.02\n[base_motion]\nacceleration_m_s2 = 3.0\n[[response]]\nkind = \"force\"\nfrequency_hz = 1200.0\nlevels_m_s2 = [3.0]\n";
+    let shakes = "[damping]\nratio = 0.02\n[base_motion]\nacceleration_m_s2 = 3.0\n[[response]]\nkind \
+        = \"force\"\nfrequency_hz = 1200.0\nlevels_m_s2 = [3.0]\n";
     let alone = curve(&before_wall(1.0), &format!("{shakes}drive_m = 0.5\n"), 6);
     for number in [1, 2] {
         let named = format!("{shakes}drive_m = 0.5\ndrive_structure = {number}\n");

@@ -12,7 +12,8 @@ fn run(directory: &Path, overlays: &str) -> String {
     let text = format!(
         "[structure]\nkind = \"rod\"\nlength_m = 1.0\nelements = 6\nstart = \"clamped\"\n\
          material = {{ youngs_modulus_pa = 210e9, density_kg_m3 = 7800.0 }}\nsection = {{ area_m2 = 1e-4 }}\n\
-         [[contact]]\nat_m = 1.0\ndirection = \"axial\"\nside = \"positive\"\ngap_m = 1e-4\n[damping]\nratio = 0.02\n[[force]]\nat_m = 0.5\n\
+         [[contact]]\nat_m = 1.0\ndirection = \"axial\"\nside = \"positive\"\ngap_m = 1e-4\n[damping]\nratio = \
+         0.02\n[[force]]\nat_m = 0.5\n\
          [[response]]\nkind = \"frequency\"\nfrequency_hz = [1200.0, 1400.0]\nlevels_n = [40.0, 300.0]\n\
          [[response]]\nkind = \"damped-mode\"\nfrequency_hz = [1200.0, 1400.0]\n\
          [method]\nharmonics = 5\n[output]\nstability = \"never\"\n{overlays}"
@@ -90,7 +91,8 @@ fn a_table_without_amplitudes_is_refused_at_its_place() {
 fn two_stops(harmonics: &str) -> Vec<nlmodes_scene::SceneFile> {
     let text = format!(
         "[structure]\nkind = \"beam\"\nlength_m = 0.31\nelements = 8\nstart = \"clamped\"\n\
-         material = {{ youngs_modulus_pa = 70e9, density_kg_m3 = 2700.0 }}\nsection = {{ width_m = 0.02, height_m = 0.004 }}\n\
+         material = {{ youngs_modulus_pa = 70e9, density_kg_m3 = 2700.0 }}\nsection = {{ width_m = 0.02, height_m = \
+         0.004 }}\n\
          [[contact]]\nat_m = 0.31\ndirection = \"transverse\"\nside = \"positive\"\ngap_m = 3e-4\n\
          [[contact]]\nat_m = 0.155\ndirection = \"transverse\"\nside = \"negative\"\ngap_m = 1.1e-4\n\
          [method]\nharmonics = {harmonics}\n[continuation]\nmax_energy_ratio = 3.0\ninternal_resonance = \"skip\"\n"
@@ -180,9 +182,11 @@ fn said_of(table: &[u8]) -> Result<Vec<String>, String> {
     fs::write(&path, table).unwrap();
     let text = format!(
         "[structure]\nkind = \"beam\"\nlength_m = 0.31\nelements = 8\nstart = \"clamped\"\n\
-         material = {{ youngs_modulus_pa = 70e9, density_kg_m3 = 2700.0 }}\nsection = {{ width_m = 0.02, height_m = 0.004 }}\n\
+         material = {{ youngs_modulus_pa = 70e9, density_kg_m3 = 2700.0 }}\nsection = {{ width_m = 0.02, height_m = \
+         0.004 }}\n\
          [[contact]]\nat_m = 0.31\ndirection = \"transverse\"\nside = \"positive\"\ngap_m = 3e-4\n\
-         [method]\nharmonics = 3\nmass_redistribution = \"conserve\"\n[continuation]\nmax_energy_ratio = 3.0\n[[overlay]]\npath = '{}'\n",
+         [method]\nharmonics = 3\nmass_redistribution = \"conserve\"\n[continuation]\nmax_energy_ratio = \
+         3.0\n[[overlay]]\npath = '{}'\n",
         path.display()
     );
     let file = parse("beam.toml", &text, &[]).unwrap();
@@ -204,7 +208,8 @@ fn tables_of_spreadsheets_are_read_and_rows_that_are_not_used_are_counted() {
     let spreadsheet = "\u{feff}Frequency_Hz;Modal_Amplitude;;\r\n40;1e-3;;\r\n41;2e-3;;\r\n";
     assert_eq!(said_of(spreadsheet.as_bytes()), Ok(vec![]));
     let holes = "frequency_hz\tenergy_j\n40\t1e-3\n\t2e-3\n# lost\n0\t1\n43\t\n";
-    let wanted = "rig.csv: 3 of 4 rows are not used: 2 without a frequency above 0 Hz (first in line 3), 1 with neither an amplitude nor an energy (line 6)";
+    let wanted = "rig.csv: 3 of 4 rows are not used: 2 without a frequency above 0 Hz (first in line 3), 1 with \
+        neither an amplitude nor an energy (line 6)";
     assert_eq!(said_of(holes.as_bytes()), Ok(vec![wanted.to_owned()]));
 }
 

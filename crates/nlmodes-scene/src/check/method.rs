@@ -76,7 +76,10 @@ fn stiffness(method: &RawMethod, contacts: usize, kind: MethodKind, diagnostics:
     match kind {
         MethodKind::Shooting if with_mass && !diagnostics.has(path) && !each_has_its_own => {
             let diagnostic = Diagnostic::error("contact nodes that keep their mass need elastic stops");
-            let diagnostic = diagnostic.help("this for all of them, or `stiffness_n_m` below each [[contact]]; mass_redistribution = \"drop\", \"move\" or \"conserve\" takes rigid ones");
+            let diagnostic = diagnostic.help(
+                "this for all of them, or `stiffness_n_m` below each [[contact]]; \
+                mass_redistribution = \"drop\", \"move\" or \"conserve\" takes rigid ones",
+            );
             diagnostics.put(
                 path,
                 diagnostic,
@@ -85,8 +88,10 @@ fn stiffness(method: &RawMethod, contacts: usize, kind: MethodKind, diagnostics:
         }
         MethodKind::Hbm if !diagnostics.has(path) && !each_has_its_own => {
             let diagnostic = Diagnostic::error(format!("`{path}` is missing"));
-            let diagnostic = diagnostic
-                .help("hbm needs elastic stops: this for all of them, or `stiffness_n_m` below each [[contact]]; method.kind = \"ms-hbm\" takes rigid ones");
+            let diagnostic = diagnostic.help(
+                "hbm needs elastic stops: this for all of them, or `stiffness_n_m` below each [[contact]]; \
+                    method.kind = \"ms-hbm\" takes rigid ones",
+            );
             diagnostics.put(
                 path,
                 diagnostic,
@@ -95,7 +100,12 @@ fn stiffness(method: &RawMethod, contacts: usize, kind: MethodKind, diagnostics:
         }
         MethodKind::MsHbm if diagnostics.has(path) => {
             let diagnostic = Diagnostic::warning(format!("`{path}` has no effect"));
-            diagnostics.put(path, diagnostic, "only method.kind = \"hbm\" and \"shooting\" use it; `stiffness_n_m` of a [[contact]] makes a stop elastic with ms-hbm too");
+            diagnostics.put(
+                path,
+                diagnostic,
+                "only method.kind = \"hbm\" and \"shooting\" use it; `stiffness_n_m` of \
+                a [[contact]] makes a stop elastic with ms-hbm too",
+            );
         }
         _ => {}
     }
@@ -161,8 +171,10 @@ fn samples(method: &RawMethod, diagnostics: &mut Diagnostics<'_>) -> Option<usiz
     };
     if samples < 4 * harmonics && method.switching == Some(Switching::Sampled) {
         let path = "method.samples";
-        let diagnostic = Diagnostic::error(format!("`{path}` is too small for {harmonics} harmonics"))
-            .help("a harmonic needs 4 samples or more in each of its periods: raise `samples`, leave it out, or lower `harmonics`");
+        let diagnostic = Diagnostic::error(format!("`{path}` is too small for {harmonics} harmonics")).help(
+            "a harmonic needs 4 samples or more in each of its periods: raise `samples`, leave it out, or lower \
+                `harmonics`",
+        );
         diagnostics.put(
             path,
             diagnostic,

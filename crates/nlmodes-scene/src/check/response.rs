@@ -67,7 +67,10 @@ fn harmonics_of_forces(raw: &RawAnalysis, responses: &[Response], method: &Metho
             ));
             let diagnostic = match times {
                 1 => diagnostic.help("more `method.harmonics`"),
-                _ => diagnostic.help(format!("more `method.harmonics`: with `subharmonic = {times}` harmonic 1 of the force is {times} of the motion")),
+                _ => diagnostic.help(format!(
+                    "more `method.harmonics`: with `subharmonic = {times}` harmonic 1 of the \
+                    force is {times} of the motion"
+                )),
             };
             diagnostics.put(
                 &format!("force.{i}.harmonic"),

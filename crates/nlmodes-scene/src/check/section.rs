@@ -106,7 +106,8 @@ fn ways(kind: StructureKind) -> &'static str {
             "a rod has either `area_m2`, or `width_m` and `height_m`, or `outer_m` and `wall_m` of a tube"
         }
         StructureKind::Beam => {
-            "a beam has either `width_m` and `height_m`, or `outer_m` and `wall_m` of a tube, or `area_m2` and `second_moment_m4`"
+            "a beam has either `width_m` and `height_m`, or `outer_m` and `wall_m` of a tube, or `area_m2` and \
+                `second_moment_m4`"
         }
     }
 }

@@ -32,7 +32,8 @@ pub(super) fn doubt(scene: &Scene, open: &OpenStructure, subject: &Subject) -> O
     }
     let hz = modes.omega_squared()[mode].max(0.0).sqrt() / TAU;
     Some(format!(
-        "mode {} ({} Hz) hardly moves the contacts: where node {} has gone its gap of {} m and touches, node {} is displaced by {} m, in a structure of {} m. `method.mode` \
+        "mode {} ({} Hz) hardly moves the contacts: where node {} has gone its gap of {} m and touches, node {} is \
+            displaced by {} m, in a structure of {} m. `method.mode` \
          chooses another mode; displacements are taken as small",
         scene.method.mode,
         short(hz),

@@ -7,7 +7,8 @@ use crate::scene::Scene;
 pub fn doubt(scene: &Scene, subject: &Subject<'_>) -> Option<String> {
     let silent = unplaced_unknowns(&subject.matrices.files, subject.model).filter(|_| scene.base_motion.is_some())?;
     Some(format!(
-        "the rows of {silent} of {} nodes do not answer a rigid displacement, as unknowns within elements (CalculiX's C3D8I), and would be moved by the base: \
+        "the rows of {silent} of {} nodes do not answer a rigid displacement, as unknowns within elements (CalculiX's \
+            C3D8I), and would be moved by the base: \
          `structure.mesh` tells which are nodes",
         subject.model.nodes().len()
     ))

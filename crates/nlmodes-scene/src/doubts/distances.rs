@@ -40,7 +40,8 @@ fn beyond(origin: usize, choice: &ContactChoice, contacts: &[&NodeContact], exte
     let largest = contacts.iter().max_by(|a, b| a.gap.abs().total_cmp(&b.gap.abs()))?;
     (largest.gap.abs() > extent).then(|| {
         format!(
-            "{} has a gap of {} m at node {}, beside a structure of {} m: gaps and walls are in m, whatever `structure.units` says of the files",
+            "{} has a gap of {} m at node {}, beside a structure of {} m: gaps and walls are in m, whatever \
+                `structure.units` says of the files",
             key(origin, choice),
             short(largest.gap),
             largest.node,
@@ -57,7 +58,8 @@ fn pressed(origin: usize, choice: &ContactChoice, contacts: &[&NodeContact]) -> 
     let behind: Vec<&&NodeContact> = contacts.iter().filter(|contact| contact.gap < 0.0).collect();
     let deepest = behind.iter().min_by(|a, b| a.gap.total_cmp(&b.gap))?;
     Some(format!(
-        "{} has a negative gap at {}: at rest the structure is pressed against this stop, which stands up to {} m (node {}) beyond where it would just touch; so it is \
+        "{} has a negative gap at {}: at rest the structure is pressed against this stop, which stands up to {} m \
+            (node {}) beyond where it would just touch; so it is \
          computed, with the force of rest in the mean",
         key(origin, choice),
         of_all(behind.len(), contacts.len()),
@@ -90,7 +92,8 @@ fn off(
     let wrong: Vec<_> = contacts.iter().filter_map(|contact| Some((*contact, error(contact)?))).collect();
     let (contact, (_, other, drawn)) = wrong.iter().max_by(|a, b| a.1.0.total_cmp(&b.1.0))?;
     Some(format!(
-        "{} has a gap of {} m, but in the mesh node {} is {} m from node {} along the normal ({} differ so): with `gap_m` left out, the distances of the mesh are the gaps",
+        "{} has a gap of {} m, but in the mesh node {} is {} m from node {} along the normal ({} differ so): with \
+            `gap_m` left out, the distances of the mesh are the gaps",
         key(origin, choice),
         short(contact.gap),
         contact.node,

@@ -17,7 +17,11 @@ pub fn doubts(subject: &Subject<'_>) -> Option<String> {
     let parts: Vec<String> =
         [unknown(subject, mesh), apart(subject, mesh), without_rows(subject, mesh)].into_iter().flatten().collect();
     (!parts.is_empty()).then(|| {
-        format!("`structure.mesh` does not look like the mesh of the matrices: {}; places, sets, normals and pictures come from it", parts.join(", "))
+        format!(
+            "`structure.mesh` does not look like the mesh of the matrices: {}; places, sets, normals and pictures \
+            come from it",
+            parts.join(", ")
+        )
     })
 }
 

@@ -26,7 +26,8 @@ fn inward(subject: &Subject<'_>, mesh: &Mesh, origin: usize, contacts: &[&NodeCo
     let &(first, out) = known.first()?;
     known.iter().all(|(contact, out)| along(contact.normal, *out) < INWARD).then(|| {
         format!(
-            "`contact.{origin}.normal` {} points into the structure at {}; outward is {} at node {}: a wall on that side would stand within it. Turn the normal \
+            "`contact.{origin}.normal` {} points into the structure at {}; outward is {} at node {}: a wall on that \
+                side would stand within it. Turn the normal \
              round, or take the nodes of the face that touches",
             vector(first.normal),
             of_all(known.len(), contacts.len()),

@@ -24,7 +24,8 @@ pub fn doubts(subject: &Subject<'_>) -> Option<String> {
         None => "are mesh and matrices in the same units, and of the same structure?".into(),
     };
     Some(format!(
-        "`structure.units` {units} gives a density of {} kg/m³ ({} kg that can move, {} m³ of the mesh), which no material has: {help}",
+        "`structure.units` {units} gives a density of {} kg/m³ ({} kg that can move, {} m³ of the mesh), which no \
+            material has: {help}",
         short(density),
         short(mass),
         short(volume)

@@ -48,7 +48,8 @@ const CONTACT: &str = "[[contact]]\nnodes = \"END\"\nnormal = \"surface\"\ngap_m
 /// The structure of the scene, or the error: the key, and the text.
 fn open(folder: &Path, contact: &str, more: &str) -> Outcome<Result<OpenStructure, (String, String)>> {
     let text = format!(
-        "[structure]\nkind = \"matrices\"\nstiffness = \"k.mtx\"\nmass = \"m.mtx\"\ndofs = \"dofs.csv\"\nmesh = \"brick.inp\"\n\
+        "[structure]\nkind = \"matrices\"\nstiffness = \"k.mtx\"\nmass = \"m.mtx\"\ndofs = \"dofs.csv\"\nmesh \
+            = \"brick.inp\"\n\
          {contact}{more}\n[method]\nharmonics = 3\n[continuation]\nmax_energy_ratio = 3.0\n"
     );
     let name = folder.join("scene.toml");

@@ -35,7 +35,8 @@ fn rod(heading: &str, more: &str) -> String {
 }
 
 const STOP: &str = "[[contact]]\nat_m = 1.2\ndirection = \"axial\"\nside = \"positive\"\ngap_m = 1e-4\n";
-const SEGMENT: &str = "[[structure.segment]]\nto_m = 0.7\nmaterial = { youngs_modulus_pa = 210e9, density_kg_m3 = 7800.0 }\n\
+const SEGMENT: &str = "[[structure.segment]]\nto_m = 0.7\nmaterial = { youngs_modulus_pa = 210e9, density_kg_m3 = \
+    7800.0 }\n\
                        section = { area_m2 = 4e-4 }\n";
 
 #[test]

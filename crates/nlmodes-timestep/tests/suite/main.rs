@@ -1,4 +1,5 @@
-//! All tests of `nlmodes-timestep` beside those in its sources, as one binary: each would link all dependencies once more.
+//! All tests of `nlmodes-timestep` beside those in its sources, as one binary: each would link all dependencies once
+//! more.
 
 mod against_ms_hbm;
 mod contact_figures;

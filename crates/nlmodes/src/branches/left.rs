@@ -96,7 +96,8 @@ impl ComputedBranch {
         };
         let BranchEnd { reasons, message, complete } = &mut self.branch.end;
         *message += &format!(
-            ", but not on the nonlinear mode {own}: at point {point} ({hz:.4} Hz, {energy:.4} grazing energies) the branch left it for {other}, \
+            ", but not on the nonlinear mode {own}: at point {point} ({hz:.4} Hz, {energy:.4} grazing energies) the \
+                branch left it for {other}, \
              {harmonic} periods of which fill one here{advice}",
             harmonic = left.harmonic,
             own = self.settings.mode,

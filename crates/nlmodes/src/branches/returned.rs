@@ -25,7 +25,8 @@ impl ComputedBranch {
         let [at, highest] = [at, highest].map(|point| (point, &self.branch.points[point]));
         *complete = false;
         *message += &format!(
-            ": at point {} the branch came back to grazing, and went on along the linear mode {mode}, without contact; at most, at point {} ({:.4} Hz), it had {:.4} \
+            ": at point {} the branch came back to grazing, and went on along the linear mode {mode}, without contact; \
+                at most, at point {} ({:.4} Hz), it had {:.4} \
              grazing energies, and what lies beyond that was not found",
             at.0,
             highest.0,

@@ -152,7 +152,8 @@ fn resume(
         if seed.p > highest {
             least = least.min(seed.p.exp());
             why = format!(
-                "behind it, up to {:.6} Hz, all motions that were found have more than the largest energy, {least:.1} times that at grazing or more",
+                "behind it, up to {:.6} Hz, all motions that were found have more than the largest energy, {least:.1} \
+                    times that at grazing or more",
                 hz
             );
             continue;

@@ -60,7 +60,8 @@ impl fmt::Display for Finding {
             }
             Self::Aperiodic { channel, ratio, strongest_hz } => write!(
                 f,
-                "channel \"{channel}\": {:.2} % of its root mean square is not periodic, strongest at {strongest_hz:.2} Hz",
+                "channel \"{channel}\": {:.2} % of its root mean square is not periodic, strongest at \
+                    {strongest_hz:.2} Hz",
                 100.0 * ratio
             ),
             Self::Clipped { channel, samples, limit } => {
@@ -74,11 +75,13 @@ impl fmt::Display for Finding {
             }
             Self::NotANumber { channel, samples, first } => write!(
                 f,
-                "channel \"{channel}\": {samples} of its samples are no finite numbers, the first is sample {first}; it is left out"
+                "channel \"{channel}\": {samples} of its samples are no finite numbers, the first is sample {first}; \
+                    it is left out"
             ),
             Self::Skew { channel, delay, uncertainty, samples, degrees, against } => write!(
                 f,
-                "channel \"{channel}\" is {:.1} µs ± {:.1} µs {} against {against}: {:.2} samples, {:.2}° of the fundamental",
+                "channel \"{channel}\" is {:.1} µs ± {:.1} µs {} against {against}: {:.2} samples, {:.2}° of the \
+                    fundamental",
                 1e6 * delay.abs(),
                 1e6 * uncertainty,
                 if *delay < 0.0 { "early" } else { "late" },
@@ -94,7 +97,8 @@ impl fmt::Display for Finding {
             }
             Self::ReversedForce { pbmif, harmonics } => write!(
                 f,
-                "the force takes power out (mode indicator {pbmif:.4} from {harmonics} harmonics): is its channel reversed?"
+                "the force takes power out (mode indicator {pbmif:.4} from {harmonics} harmonics): is its channel \
+                    reversed?"
             ),
             Self::NotLocked { lag_deg, target_deg } => {
                 write!(
@@ -107,7 +111,8 @@ impl fmt::Display for Finding {
             }
             Self::SampleRateUncertain { rate_hz, relative } => write!(
                 f,
-                "the file tells the sampling rate of {rate_hz:.6} Hz to {relative:.1e} only, and with it all frequencies; declare it if it is known"
+                "the file tells the sampling rate of {rate_hz:.6} Hz to {relative:.1e} only, and with it all \
+                    frequencies; declare it if it is known"
             ),
             Self::WrongScale { channel, factor, uncertainty, against, declared, likely, alternatives } => {
                 scale(f, channel, [*factor, *uncertainty], against)?;
@@ -123,11 +128,13 @@ impl fmt::Display for Finding {
             }
             Self::ShapeDisagrees { channel, factor, degrees, against } => write!(
                 f,
-                "the responses do not fit together; channel \"{channel}\" is furthest off: {factor:.3} times what {against} give, turned by {degrees:.1}°"
+                "the responses do not fit together; channel \"{channel}\" is furthest off: {factor:.3} times what \
+                    {against} give, turned by {degrees:.1}°"
             ),
             Self::Quadrature { channel, degrees, share } => write!(
                 f,
-                "{:.1} % of the fundamental is in quadrature, channel \"{channel}\" {degrees:.1}° off: more than one mode takes part",
+                "{:.1} % of the fundamental is in quadrature, channel \"{channel}\" {degrees:.1}° off: more than one \
+                    mode takes part",
                 100.0 * share
             ),
             Self::NoSignal { channel } => {
@@ -147,11 +154,13 @@ impl fmt::Display for Finding {
             Self::ChannelUnused { channel, reason } => write!(f, "channel \"{channel}\": {reason}"),
             Self::FarFromModes { frequency_hz, nearest_hz } => write!(
                 f,
-                "the frequency of {frequency_hz:.6} Hz is far from all linear modes, the nearest one has {nearest_hz:.6} Hz: a time axis or frequencies in another unit?"
+                "the frequency of {frequency_hz:.6} Hz is far from all linear modes, the nearest one has \
+                    {nearest_hz:.6} Hz: a time axis or frequencies in another unit?"
             ),
             Self::Offset { channel, offset, peak } => write!(
                 f,
-                "channel \"{channel}\" rests at {offset:.4e} N, not at zero (its peak is {peak:.4e} N): contact and stiffness depend on it"
+                "channel \"{channel}\" rests at {offset:.4e} N, not at zero (its peak is {peak:.4e} N): contact and \
+                    stiffness depend on it"
             ),
             Self::CellRings { channel, share, frequency_hz } => write!(
                 f,
@@ -161,7 +170,8 @@ impl fmt::Display for Finding {
             ),
             Self::CellLate { channel, delay } => write!(
                 f,
-                "channel \"{channel}\" is {:.1} µs late against the displacement at the stop, which would give out energy: a \
+                "channel \"{channel}\" is {:.1} µs late against the displacement at the stop, which would give out \
+                    energy: a \
                  channel that is late, or a slow force cell; stiffness and gap depend on it",
                 1e6 * delay
             ),
@@ -173,13 +183,15 @@ impl fmt::Display for Finding {
                 };
                 write!(
                     f,
-                    "channel \"{channel}\" goes with the displacement into the stop to the power of {exponent:.2}: {cause}; the \
+                    "channel \"{channel}\" goes with the displacement into the stop to the power of {exponent:.2}: \
+                        {cause}; the \
                      contact stiffness is a mean slope"
                 )
             }
             Self::GapElsewhere { declared, found, uncertainty } => write!(
                 f,
-                "the force begins at a displacement of {found:.4e} m ± {uncertainty:.1e} m, the stop is declared at {declared} m: \
+                "the force begins at a displacement of {found:.4e} m ± {uncertainty:.1e} m, the stop is declared at \
+                    {declared} m: \
                  a gap that has changed, or the scale or the zero of the displacement"
             ),
             Self::DisplacementDrift { channel, change } => write!(
@@ -197,7 +209,8 @@ impl fmt::Display for Finding {
             }
             Self::NotPeriodic { scatter } => write!(
                 f,
-                "the fundamental changes from period to period by {:.0} % of its size: a random vibration, or one of several \
+                "the fundamental changes from period to period by {:.0} % of its size: a random vibration, or one of \
+                    several \
                  frequencies, has none",
                 100.0 * scatter
             ),
@@ -205,7 +218,8 @@ impl fmt::Display for Finding {
             Self::PositionWithoutShape { channel, position } => {
                 write!(
                     f,
-                    "channel \"{channel}\" at {position} m: the linear modes have no row there; it is left out of the shape"
+                    "channel \"{channel}\" at {position} m: the linear modes have no row there; it is left out of the \
+                        shape"
                 )
             }
         }
@@ -269,7 +283,8 @@ mod tests {
             (scale(-50.0, 0.5), "is 50.0000 ± 5.0e-1 times too large against others, and reversed"),
             (
                 transient(-0.01),
-                "the vibration grows: the growth alone has a damping ratio of -0.010000 ± 1.0e-5, the power of the force 0.002000",
+                "the vibration grows: the growth alone has a damping ratio of -0.010000 ± 1.0e-5, the power of the \
+                    force 0.002000",
             ),
             (transient(0.01), "the vibration decays: the decay alone has a damping ratio of 0.010000"),
         ];

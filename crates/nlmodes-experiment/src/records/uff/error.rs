@@ -59,7 +59,8 @@ pub enum UffError {
     },
     /// The line after the numbers is not the end mark.
     #[error(
-        "line {line}: {bytes} bytes of numbers are not followed by the line \"    -1\"; wrong count or precision in the header?"
+        "line {line}: {bytes} bytes of numbers are not followed by the line \"    -1\"; wrong count or precision in \
+            the header?"
     )]
     NoEnd {
         /// Line where the numbers begin, from 1.

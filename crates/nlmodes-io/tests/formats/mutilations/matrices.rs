@@ -15,7 +15,8 @@ fn calculix() {
         damage(
             "a column beyond the table of degrees of freedom",
             line(&good, 3, "1 25 1.0"),
-            ":3: found `25`; expected a column from 1 to 24, as many as the table of degrees of freedom has: .dof, .sti and .mas of one run belong together (those of a \
+            ":3: found `25`; expected a column from 1 to 24, as many as the table of degrees of freedom has: .dof, \
+                .sti and .mas of one run belong together (those of a \
              cyclic sector",
         ),
         damage("row zero", line(&good, 1, "0 1 1.0"), ":1: found `0`; expected a row from 1 to 24"),
@@ -221,7 +222,8 @@ fn dmig() {
         damage(
             "a card between the columns",
             line(&good, 5, "GRID,1,,0.,0.,0."),
-            ":8: found `DMIG*   KAAX                          10               2`; expected the columns of KAAX one behind the other",
+            ":8: found `DMIG*   KAAX                          10               2`; expected the columns of KAAX one \
+                behind the other",
         ),
         damage("cut within a number", cut(&good, 4), format!(":{lines}: the file ends here")),
         damage("a header alone", head(&good, 2), ":3: the file ends here; expected columns of KAAX"),

@@ -78,7 +78,8 @@ fn tables_of_labels() {
 
 #[test]
 fn decks() {
-    let good = "*NODE, NSET=ALL\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n4, 0, 0, 1\n*ELEMENT, TYPE=C3D4, ELSET=E\n1, 1, 2, 3, 4\n*NSET, NSET=TIP\n3, 4\n*SURFACE, NAME=S\nE, S1\n";
+    let good = "*NODE, NSET=ALL\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n4, 0, 0, 1\n*ELEMENT, TYPE=C3D4, ELSET=E\n1, 1, \
+        2, 3, 4\n*NSET, NSET=TIP\n3, 4\n*SURFACE, NAME=S\nE, S1\n";
     assert!(
         Mesh::read(&{
             let path = tempfile::tempdir().unwrap().keep().join("good.inp");
@@ -147,7 +148,8 @@ fn decks() {
 
 #[test]
 fn gmsh() {
-    let good = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 4 1 4\n3 1 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n$EndNodes\n$Elements\n1 1 1 1\n3 1 4 1\n1 1 2 3 4\n$EndElements\n";
+    let good = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 4 1 4\n3 1 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 \
+        1\n$EndNodes\n$Elements\n1 1 1 1\n3 1 4 1\n1 1 2 3 4\n$EndElements\n";
     let cases = vec![
         damage("another beginning", line(good, 1, "$Format"), ":1: found `$Format`; expected $MeshFormat"),
         damage("another version", line(good, 2, "3 0 8"), ":2: found `3`; expected version 4.1 or 2.2"),

@@ -9,7 +9,8 @@ fn axes_show_any_column_and_other_results_lie_over_the_curves() {
     let [exact, _] = branches();
     // Ordinate first.
     browser.run(
-        "const s = document.querySelectorAll('.axes')[0].querySelectorAll('select'); s[0].value = 'amplitude'; s[0].dispatchEvent(new Event('change'))",
+        "const s = document.querySelectorAll('.axes')[0].querySelectorAll('select'); s[0].value = 'amplitude'; \
+            s[0].dispatchEvent(new Event('change'))",
     );
     let title = "return document.querySelector('#energy').closest('.box').querySelector('h3').textContent";
     assert_eq!(browser.text(title), "Modal amplitude over averaged kinetic energy");

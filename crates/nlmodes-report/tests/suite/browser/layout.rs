@@ -65,10 +65,13 @@ fn a_table_that_is_scrolled_ends_with_a_whole_row() {
             |title: &str| format!("[...document.querySelectorAll('.scroll')].find(s => s.ariaLabel === '{title}')");
         let ends = format!(
             "const s = {}, end = s.getBoundingClientRect().top + s.clientHeight; \
-             return s.scrollHeight > s.clientHeight && [...s.querySelectorAll('tr')].some(r => Math.abs(r.getBoundingClientRect().bottom - end) < 1.5)",
+             return s.scrollHeight > s.clientHeight && [...s.querySelectorAll('tr')].some(r => \
+             Math.abs(r.getBoundingClientRect().bottom - end) < 1.5)",
             section("Long")
         );
-        let places = "const s = document.querySelector('.scroll'); return JSON.stringify([s.clientHeight, s.offsetHeight, s.scrollHeight, s.style.maxHeight, [...s.querySelectorAll('tr')].slice(0, 25).map(r => r.offsetTop + r.offsetHeight)])";
+        let places = "const s = document.querySelector('.scroll'); return JSON.stringify([s.clientHeight, \
+            s.offsetHeight, s.scrollHeight, s.style.maxHeight, [...s.querySelectorAll('tr')].slice(0, 25).map(r => \
+            r.offsetTop + r.offsetHeight)])";
         assert!(wait_for(&browser, &ends), "at {width} px the table ends within a row: {}", browser.text(places));
         let whole = browser.run(&format!("const s = {}; return s.scrollHeight <= s.clientHeight", section("Short")));
         assert_eq!(whole.as_bool(), Some(true));
@@ -87,7 +90,8 @@ fn a_scene_of_many_levels_has_lines_that_can_be_read_in_a_narrow_window() {
     let Some(browser) = Browser::open(&path, (420, 900), &[]) else { return };
     assert!(browser.number("return innerWidth") <= 520.0, "the window is not narrow");
     let narrowest = browser.number(
-        "return Math.min(...[...document.querySelectorAll('.scene dd:not(.parts)')].map(d => d.getBoundingClientRect().width))",
+        "return Math.min(...[...document.querySelectorAll('.scene dd:not(.parts)')].map(d => \
+            d.getBoundingClientRect().width))",
     );
     // A number of nine digits with its unit at 14 px.
     assert!(narrowest > 90.0, "{narrowest} px");

@@ -15,7 +15,8 @@ fn laid(text: &str) -> Laid {
 #[test]
 fn levels_that_had_not_settled_and_responses_to_loads_are_no_points_of_a_mode() {
     let test = laid(
-        "record,frequency_hz,modal_amplitude,findings\na,10.3,0.5,\nb,11.0,1.0,aperiodic skew\nc,11.2,1.5,too-few-modes\n",
+        "record,frequency_hz,modal_amplitude,findings\na,10.3,0.5,\nb,11.0,1.0,aperiodic \
+            skew\nc,11.2,1.5,too-few-modes\n",
     );
     let label = &test.branch.label;
     assert_eq!((test.branch.points.len(), label.as_str()), (2, "test, without 1 that had not settled"));
