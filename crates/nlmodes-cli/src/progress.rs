@@ -100,7 +100,7 @@ impl Shown {
     /// Only the first `kept` points stay.
     pub fn withdrawn(&mut self, kept: usize) {
         if self.verbose {
-            self.tell(&format!("back to point {kept}, the foot of a tongue that is skipped"));
+            self.tell(&format!("back to point {kept}, the base point of an internal-resonance branch that is skipped"));
         }
         self.progress.set_points(kept);
     }

@@ -36,7 +36,7 @@ pub fn part(part: &PartOutcome, quiet: bool) -> Status {
     }
     if part.tree.not_followed > 0 {
         say!(
-            "warning: {} arms of branch points were not followed, since there are {} branches",
+            "warning: {} half-branches of branch points were not followed, since there are {} branches",
             part.tree.not_followed,
             part.scene.continuation.max_branches
         );

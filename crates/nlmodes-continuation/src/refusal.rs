@@ -95,7 +95,7 @@ pub enum Refusal {
         steps: f64,
     },
     /// `det [J; tᵀ]` has changed its sign and no other half-branch leaves the point where it does.
-    #[error("the step ends on another arm of the curve")]
+    #[error("the step ends on another half-branch of the curve")]
     OtherArm,
     /// The Jacobian becomes singular more than once within the step.
     #[error("the Jacobian becomes singular {count} times within the step")]

@@ -67,8 +67,8 @@ impl EventSymbols {
             }
             Event::HarmonicsNoHelp => "more harmonics were tried here and did not lead on",
             Event::AccuracyLimit => "from here on the accuracy that was asked for is not reached",
-            Event::TongueFoot => "a tongue of an internal resonance begins here and is left out",
-            Event::Resumed => "the branch goes on here behind a tongue that was left out",
+            Event::TongueFoot => "an internal-resonance branch begins here and is left out",
+            Event::Resumed => "the branch goes on here behind an internal-resonance branch that was left out",
             _ => "",
         }
     }

@@ -88,7 +88,7 @@ impl HtmlReport<'_> {
         let (class, word) = match (early, on_tongue) {
             (0, _) if is_test => ("done", "✓ All measured"),
             (0, 0) => ("done", "✓ Complete"),
-            (0, _) => ("done", "✓ Complete; it ends on the tongue of an internal resonance"),
+            (0, _) => ("done", "✓ Complete; it ends on an internal-resonance branch"),
             _ if is_test => ("early", "⚠ Not all measured"),
             _ => ("early", "⚠ Ended early"),
         };
@@ -120,7 +120,7 @@ impl HtmlReport<'_> {
 /// Why a branch ended, and on which internal resonance.
 fn said(branch: &ModalBranch) -> String {
     match tongue_at_end(branch) {
-        Some(tongue) => format!("{}, on the tongue {tongue}", escape(&branch.end.message)),
+        Some(tongue) => format!("{}, on the internal-resonance branch {tongue}", escape(&branch.end.message)),
         None => escape(&branch.end.message),
     }
 }

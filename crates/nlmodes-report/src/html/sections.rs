@@ -250,7 +250,7 @@ impl HtmlReport<'_> {
             let complete = match tongue_at_end(branch) {
                 _ if self.scattered.contains(&k) && end.complete => "measured points".to_owned(),
                 _ if !end.complete => "no, ended early".to_owned(),
-                Some(tongue) => format!("yes, but on the tongue {tongue}"),
+                Some(tongue) => format!("yes, but on the internal-resonance branch {tongue}"),
                 None => "yes".to_owned(),
             };
             let label = cell(" ", &escape(&branch.label));

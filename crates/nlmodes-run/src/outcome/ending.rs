@@ -61,7 +61,7 @@ fn advice(computed: &ComputedBranch) -> Option<String> {
         true => "",
         false => " (continuation.internal_resonance = \"skip\" leaves it out)",
     };
-    Some(format!(", on the tongue {resonance}{advice}"))
+    Some(format!(", on the internal-resonance branch {resonance}{advice}"))
 }
 
 /// Folds by which an exact branch shows that it follows tongues of internal resonances; a loop has four.

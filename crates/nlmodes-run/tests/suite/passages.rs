@@ -146,7 +146,7 @@ fn nothing_is_interpolated_across_corners_and_gaps() {
     assert!(found.is_empty());
     assert_eq!(curves[0].left_out, [[1, 2]]);
     let said = text(folder.path(), Abscissa::FrequencyHz, 11.5, &curves);
-    assert!(said.contains("between points 1 and 2 a tongue was left out"), "{said}");
+    assert!(said.contains("between points 1 and 2 an internal-resonance branch was left out"), "{said}");
     assert_eq!(at(folder.path(), 10.5).0.len(), 1);
 }
 

@@ -56,7 +56,8 @@ fn check_choices(branch: &Continuation, diagnostics: &mut Diagnostics<'_>) {
         diagnostics.put("continuation.max_branches", diagnostic, "only `at_branch_point = \"all\"` uses it");
     }
     if all && branch.internal_resonance == InternalResonance::Skip {
-        let diagnostic = Diagnostic::error("all arms are to be followed, and tongues to be skipped");
+        let diagnostic =
+            Diagnostic::error("all half-branches are to be followed, and internal-resonance branches to be skipped");
         let label = "with `at_branch_point = \"all\"`, \"follow\" was expected here";
         diagnostics.put("continuation.internal_resonance", diagnostic, label);
     }

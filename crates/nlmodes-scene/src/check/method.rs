@@ -140,7 +140,7 @@ fn accuracy(method: &RawMethod, scene: &RawAnalysis, diagnostics: &mut Diagnosti
     }
     if scene.continuation.at_branch_point == AtBranchPoint::All {
         let path = "continuation.at_branch_point";
-        let diagnostic = Diagnostic::error("`method.accuracy` cannot follow all arms of branch points");
+        let diagnostic = Diagnostic::error("`method.accuracy` cannot follow all half-branches of branch points");
         let diagnostic =
             diagnostic.help("give `method.harmonics` for a tree of branches; `accuracy` takes \"stay\" and \"switch\"");
         diagnostics.put(path, diagnostic, "found \"all\" beside `method.accuracy`");

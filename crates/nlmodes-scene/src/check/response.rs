@@ -110,7 +110,7 @@ fn of_method(method: &Method, diagnostics: &mut Diagnostics<'_>) {
             "responses are computed in open modes: reduction.kind = \"open-modes\" and `reduction.modes` say how many",
         ),
         ("method.symmetry", "responses have cosines and sines"),
-        ("continuation.internal_resonance", "tongues are part of a response"),
+        ("continuation.internal_resonance", "internal-resonance branches are part of a response"),
         ("continuation.start_frequency_hz", beginning),
         ("continuation.start_energy_ratio", beginning),
     ];

@@ -179,13 +179,13 @@ fn branch(continuation: &Continuation, mode: usize) -> String {
     let points = format!("at most {} points", continuation.max_points);
     let arms = match continuation.at_branch_point {
         AtBranchPoint::Stay => None,
-        AtBranchPoint::Switch => Some("onto another arm at branch points".to_owned()),
+        AtBranchPoint::Switch => Some("onto another half-branch at branch points".to_owned()),
         AtBranchPoint::All => {
-            Some(format!("all arms of branch points, at most {} branches", continuation.max_branches))
+            Some(format!("all half-branches of branch points, at most {} branches", continuation.max_branches))
         }
     };
     let skip = continuation.internal_resonance == InternalResonance::Skip;
-    let tongues = skip.then(|| "tongues of internal resonances skipped".to_owned());
+    let tongues = skip.then(|| "internal-resonance branches skipped".to_owned());
     let parts: Vec<String> = [Some(format!("mode {mode} {from}")), energy, window, Some(points), arms, tongues]
         .into_iter()
         .flatten()

@@ -90,7 +90,7 @@ impl ComputedBranch {
         let other = left.mode.map_or_else(|| "another mode".to_owned(), |mode| format!("that of mode {mode}"));
         let advice = match self.settings.switching {
             Switching::Sampled { samples } if !left.at_branch_point => {
-                format!(": {samples} samples part arms that meet there, exact switching joins them")
+                format!(": {samples} samples part half-branches that meet there, exact switching joins them")
             }
             _ => String::new(),
         };

@@ -77,7 +77,7 @@ pub(super) fn follow(
         let Some(foot) = foot(&all.points[stretch..on_tongue], resonance, upward).map(|i| stretch + i) else {
             // The one point that there is to show.
             let _ = observe(BranchProgress::Found { branch: 0, point: &all.points[on_tongue] });
-            return Ok((all, lost(resonance, "it begins on the tongue")));
+            return Ok((all, lost(resonance, "it begins on the internal-resonance branch")));
         };
         all.truncate(foot + 1);
         mark(&mut all.points[foot], resonance, Event::TongueFoot);
@@ -215,11 +215,12 @@ fn mark(point: &mut ModalPoint, resonance: InternalResonance, event: Event) {
 }
 
 fn window(resonance: InternalResonance) -> BranchEnd {
-    let message = format!("the frequency window ends within the tongue {resonance}, which is skipped");
+    let message =
+        format!("the frequency window ends within the internal-resonance branch {resonance}, which is skipped");
     BranchEnd::new(EndReason::FrequencyWindow, message, true)
 }
 
 fn lost(resonance: InternalResonance, why: &str) -> BranchEnd {
-    let message = format!("the branch reached the foot of the tongue {resonance}, and {why}");
+    let message = format!("the branch reached the base point of the internal-resonance branch {resonance}, and {why}");
     BranchEnd::new(EndReason::Tongue, message, false)
 }

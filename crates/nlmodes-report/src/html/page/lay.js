@@ -106,7 +106,7 @@ function difference(laid, own) {
   if (!found.length) others += several.length;
   else found.push(...several.map(all => all.reduce((best, p) => Math.abs(p - usual) < Math.abs(best - usual) ? p : best)));
   const what = id === "amplitude" ? "modal amplitude" : "energy";
-  const left = others ? `; ${others} ${others === 1 ? "point is" : "points are"} left out, where one of the two has several motions of that ${what} (tongues, folds)` : "";
+  const left = others ? `; ${others} ${others === 1 ? "point is" : "points are"} left out, where one of the two has several motions of that ${what} (internal resonances, folds)` : "";
   if (!found.length && others) return `${laid.label}: nothing to compare with ${own.label}${left}.`;
   if (!found.length) return `${laid.label}: no point within the ${what} of ${own.label}.`;
   const [least, most] = [Math.min(...found), Math.max(...found)];

@@ -206,7 +206,9 @@ fn measured_points_are_no_branch_and_the_tongue_at_an_end_that_was_asked_for_is_
     let mut ended = samples::looped(20);
     ended.points.last_mut().unwrap().resonance = Some(InternalResonance { harmonic: 16, mode: 2 });
     let page = HtmlReport::new("rod", &[&ended]).render().unwrap();
-    assert!(page.contains(DONE) && page.contains("on the tongue 16:mode 2") && !page.contains(EARLY));
+    assert!(
+        page.contains(DONE) && page.contains("on the internal-resonance branch 16:mode 2") && !page.contains(EARLY)
+    );
     ended.end.complete = false;
     assert!(HtmlReport::new("rod", &[&ended]).render().unwrap().contains("⚠ Ended early"));
 }
