@@ -40,7 +40,7 @@ pub fn in_words(found: &RecordExtraction) -> String {
     lines.join("\n")
 }
 
-/// The figure to the second digit of its error.
+/// The figure to the second digit of its error; alone where too few periods give none.
 fn with_error(measured: Measured, unit: &str) -> String {
     let Measured { value, uncertainty } = measured;
     let digits = if uncertainty > 0.0 && uncertainty.is_finite() && value != 0.0 {
@@ -48,7 +48,8 @@ fn with_error(measured: Measured, unit: &str) -> String {
     } else {
         6
     };
-    let text = format!("{} ± {} {unit}", significant(value, digits as usize), significant(uncertainty, 2));
+    let spread = if uncertainty.is_finite() { format!(" ± {}", significant(uncertainty, 2)) } else { String::new() };
+    let text = format!("{}{spread} {unit}", significant(value, digits as usize));
     text.trim_end().to_owned()
 }
 
