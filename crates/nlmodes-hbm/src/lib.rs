@@ -102,8 +102,9 @@ pub use mixed_shooting::{MAX_HARMONICS, MixedShooting, MixedShootingSettings, Sc
 pub use nlmodes_reduction::HeldMode;
 pub use periodic::{
     Closing, ClosingEquation, Column, ContactMotion, Coordinates, DampedStop, EnergyGiven, Floquet, Functional, Load,
-    LoadTerm, ModalDamping, ModalGrazing, ModalStructure, Motion, OperatingPoint, PeriodicMotion, PeriodicSettings,
-    PeriodicSystem, PhaseCondition, PhaseLag, Refined, ResponseRow, Source, modal_grazing,
+    LoadTerm, ModalDamping, ModalGrazing, ModalStructure, ModeAtRest, Motion, OperatingPoint, PeriodicMotion,
+    PeriodicSettings, PeriodicSystem, PhaseCondition, PhaseLag, Refined, ResponseRow, Source, modal_grazing,
+    modal_lift_off,
 };
 pub use projection::Projection;
 pub use recording::MAX_RECORDED;

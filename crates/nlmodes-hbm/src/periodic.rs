@@ -32,6 +32,6 @@ pub use load::{Load, LoadTerm};
 pub use motion::{ContactMotion, PeriodicMotion};
 pub use operating_point::{Closing, Column, OperatingPoint, Source};
 pub use refine::Refined;
-pub use start::{ModalGrazing, modal_grazing};
+pub use start::{ModalGrazing, ModeAtRest, modal_grazing, modal_lift_off};
 pub use structure::{ModalStructure, ResponseRow};
 pub use system::{PeriodicSettings, PeriodicSystem};

@@ -4,12 +4,12 @@ use nlmodes_linalg::DenseLu;
 
 use crate::ResponseError;
 
-/// The linear motion per unit of the parameter of a response over the level, from rest: the unknowns are linear in the
-/// level until a contact is touched.
-pub(crate) fn linear_motion(system: &mut PeriodicSystem) -> Result<Vec<f64>, ResponseError> {
+/// The linear motion per unit of the parameter of a response over the level, from these unknowns at rest: they are
+/// linear in the level until a contact changes its state.
+pub(crate) fn linear_motion(system: &mut PeriodicSystem, rest: &[f64]) -> Result<Vec<f64>, ResponseError> {
     let n = system.dim();
     let mut at = Linearization::new(n);
-    system.linearize(&vec![0.0; n], 0.0, &mut at)?;
+    system.linearize(rest, 0.0, &mut at)?;
     let square = at.jacobian.subcols(0, n).to_owned();
     let lu = DenseLu::factor(&square)
         .map_err(|source| HbmError::Linalg { what: "the linear response (an undamped resonance?)", source })?;

@@ -1,5 +1,10 @@
-use nlmodes_hbm::{DampedStop, Load, LoadTerm, ModalStructure, PhaseLag, ResponseRow};
-use nlmodes_reduction::OpenModes;
+use nlmodes_contact::solver_by_name;
+use nlmodes_continuation::ParametricSystem;
+use nlmodes_hbm::{
+    DampedStop, HbmError, Load, LoadTerm, ModalGrazing, ModalStructure, ModeAtRest, PeriodicSystem, PhaseLag,
+    ResponseRow, modal_grazing, modal_lift_off,
+};
+use nlmodes_reduction::{OpenModes, RestState};
 use num_complex::Complex64;
 
 use crate::{BaseMotion, BaseUnit, Damping, Dashpot, ResponseError, ResponseSettings};
@@ -217,6 +222,47 @@ impl ResponseModel {
         let stop = DampedStop { contact, stiffness: 1.0 / compliance, damper };
         self.structure = self.structure.with_damped_stops(&[stop])?;
         Ok(())
+    }
+
+    /// The linear mode `mode` (from 1) at the amplitude at which its nonlinear modes begin: where it first touches a
+    /// stop, or, about a rest at which stops press, where the first contact changes its state.
+    ///
+    /// # Errors
+    /// As [`modal_grazing`] and [`modal_lift_off`], or what the reduction reports of the structure at rest.
+    pub fn linear_start(&self, mode: usize) -> Result<ModalGrazing, ResponseError> {
+        if !self.is_pressed() {
+            return Ok(modal_grazing(&self.structure, mode)?);
+        }
+        let rest = self.rest()?;
+        let modes = self.open.closed_modes(&rest.closed)?;
+        let available = modes.omega_squared.len();
+        let Some(k) = mode.checked_sub(1).filter(|k| *k < available) else {
+            return Err(HbmError::NoSuchMode { mode, available }.into());
+        };
+        let (omega_squared, shape) = (modes.omega_squared[k], modes.eta.col(k).iter().copied().collect::<Vec<f64>>());
+        let at = ModeAtRest { mode, omega_squared, shape: &shape, rest: &rest.eta, closed: &rest.closed };
+        Ok(modal_lift_off(&self.structure, at)?)
+    }
+
+    /// Whether stops press the structure at rest.
+    pub(crate) fn is_pressed(&self) -> bool {
+        self.structure.gaps().iter().any(|gap| *gap < 0.0)
+    }
+
+    /// The structure at rest.
+    pub(crate) fn rest(&self) -> Result<RestState, ResponseError> {
+        let solver = solver_by_name("active-set").map_err(HbmError::Compliance)?;
+        Ok(self.open.rest(&[], solver.as_ref())?)
+    }
+
+    /// Unknowns of a response at rest, the level zero.
+    pub(crate) fn unknowns_at_rest(&self, system: &PeriodicSystem) -> Result<Vec<f64>, ResponseError> {
+        let mut x = match self.is_pressed() {
+            true => system.coefficients_at_rest(&self.rest()?.eta),
+            false => Vec::new(),
+        };
+        x.resize(system.dim(), 0.0);
+        Ok(x)
     }
 
     /// Values of the modes, with zeros for the stops that dissipate behind them.

@@ -4,10 +4,12 @@ use nlmodes_linalg::max_norm;
 
 use super::structure::ModalStructure;
 use super::system::PeriodicSystem;
+use crate::closed_set::ClosedSet;
 use crate::{HbmError, Scales};
 
-/// A linear mode at the amplitude at which it just touches: where its nonlinear modes begin.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A linear mode at the amplitude at which it just touches, or at which a stop that presses is about to be left: where
+/// its nonlinear modes begin.
+#[derive(Debug, Clone, PartialEq)]
 pub struct ModalGrazing {
     /// Number of the mode, from 1.
     pub mode: usize,
@@ -21,9 +23,78 @@ pub struct ModalGrazing {
     pub energy: f64,
     /// The contact that grazes.
     pub contact: usize,
-    /// Its amplitude, m: its gap.
+    /// Its amplitude, m: its gap; of a stop that is about to be left, the static motion of its
+    /// contact by that energy.
     pub length: f64,
+    /// Modal coordinates at rest, m, m √kg.
+    mean: Vec<f64>,
+    /// Those of the mode, m, orthonormal.
+    shape: Vec<f64>,
 }
+
+/// A linear mode about a rest at which some stops are closed, in the coordinates of the open modes.
+#[derive(Debug, Clone, Copy)]
+pub struct ModeAtRest<'a> {
+    /// Number of the mode, from 1.
+    pub mode: usize,
+    /// Squared angular frequency, rad²/s².
+    pub omega_squared: f64,
+    /// The mode, m, orthonormal.
+    pub shape: &'a [f64],
+    /// Modal coordinates at rest, m, m √kg.
+    pub rest: &'a [f64],
+    /// The contacts that are closed there, c.
+    pub closed: &'a [bool],
+}
+
+/// Guard of a contact at rest, over the largest, below which it touches without force.
+const ROUNDING: f64 = 1e-10;
+
+/// The amplitude of a mode about a pressed rest at which the first of its contacts is about to change its state: a
+/// closed one is left, or an open one touched.
+///
+/// # Errors
+/// [`HbmError::NeverTouches`] if it moves no contact, [`HbmError::TouchesAtRest`] for one that it moves and that
+/// touches without force, [`HbmError::Compliance`].
+pub fn modal_lift_off(structure: &ModalStructure, at: ModeAtRest<'_>) -> Result<ModalGrazing, HbmError> {
+    let (c, m, omega) = (structure.n_contacts(), structure.n_moving(), at.omega_squared.max(0.0).sqrt());
+    let set = ClosedSet::new(structure.compliance(), at.closed)?;
+    let seen = |i: usize, eta: &[f64]| (0..m).map(|k| structure.rows()[(i, k)] * eta[k]).sum::<f64>();
+    let resting: Vec<f64> = (0..c).map(|i| structure.gaps()[i] + seen(i, at.rest)).collect();
+    let moving: Vec<f64> = (0..c).map(|i| seen(i, at.shape)).collect();
+    let guards: Vec<f64> = (0..c).map(|i| set.guard_value(i, &resting)).collect();
+    let slopes: Vec<f64> = (0..c).map(|i| set.guard_value(i, &moving)).collect();
+    let (largest, most) = (max_norm(guards.iter().copied()), max_norm(slopes.iter().copied()));
+    let felt = (0..c).filter(|&i| slopes[i].abs() > UNFELT * most);
+    let first = felt.map(|i| (i, -guards[i] / slopes[i])).min_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+    let never = HbmError::NeverTouches { mode: at.mode, frequency_hz: omega / TAU, ratio: 0.0 };
+    let (contact, amplitude) = first.ok_or(never)?;
+    if guards[contact] <= ROUNDING * largest {
+        return Err(HbmError::TouchesAtRest { contact, gap: structure.gaps()[contact] });
+    }
+    let damping = |j: usize, k: usize| at.shape[j] * structure.damping().entry(j, k) * at.shape[k];
+    let damping: f64 = (0..m).flat_map(|j| (0..m).map(move |k| (j, k))).map(|(j, k)| damping(j, k)).sum();
+    // A stop that presses hardly moves before it is left: what this energy does to the structure is a length.
+    let energy = 0.25 * at.omega_squared * amplitude * amplitude;
+    let elastic = (0..m).filter(|&k| structure.omega_squared()[k] > 0.0);
+    let modal = elastic.map(|k| structure.rows()[(contact, k)].powi(2) / structure.omega_squared()[k]).sum::<f64>();
+    let compliance = structure.compliance().a()[(contact, contact)] + modal;
+    let padded = |eta: &[f64]| eta.iter().copied().chain(std::iter::repeat(0.0)).take(structure.n_modes()).collect();
+    Ok(ModalGrazing {
+        mode: at.mode,
+        omega,
+        damping_ratio: damping / (2.0 * omega),
+        amplitude,
+        energy,
+        contact,
+        length: 2.0 * (energy * compliance).sqrt(),
+        mean: padded(at.rest),
+        shape: padded(at.shape),
+    })
+}
+
+/// Motion of a guard by a mode, over the largest, below which the mode does not move it.
+const UNFELT: f64 = 1e-9;
 
 /// The grazing point of open mode `mode` (from 1).
 ///
@@ -61,6 +132,8 @@ pub fn modal_grazing(structure: &ModalStructure, mode: usize) -> Result<ModalGra
         energy: 0.25 * square * amplitude * amplitude,
         contact,
         length: structure.gaps()[contact],
+        mean: vec![0.0; structure.n_modes()],
+        shape: (0..structure.n_modes()).map(|j| f64::from(u8::from(j == k))).collect(),
     })
 }
 
@@ -73,7 +146,8 @@ impl ModalGrazing {
     /// Unknowns of a conservative or damped mode at grazing, where the parameter is zero. They are exact where damping
     /// couples no modes, else a guess.
     pub fn unknowns(&self, system: &PeriodicSystem) -> Vec<f64> {
-        let mut x = self.cosines(system);
+        let mut x = system.coefficients_at_rest(&self.mean);
+        x.iter_mut().zip(self.cosines(system)).for_each(|(x, cosine)| *x += cosine);
         let scales = system.scales;
         let extra = system.closing.n_unknowns();
         x.push(self.omega / scales.omega);
@@ -93,11 +167,11 @@ impl ModalGrazing {
     }
 
     fn cosines(&self, system: &PeriodicSystem) -> Vec<f64> {
-        let (k, unit) = (self.mode - 1, system.unit());
-        let width = system.series().width();
+        let (unit, width) = (system.unit(), system.series().width());
         let mut x = vec![0.0; system.n_coefficients()];
-        for (j, share) in system.response.of_mode(k).into_iter().enumerate() {
-            x[j * width + 1] = share * self.amplitude / unit;
+        for (k, part) in self.shape.iter().enumerate().filter(|(_, part)| **part != 0.0) {
+            let shares = system.response.of_mode(k).into_iter().enumerate();
+            shares.for_each(|(j, share)| x[j * width + 1] += share * part * self.amplitude / unit);
         }
         x
     }

@@ -140,6 +140,17 @@ impl PeriodicSystem {
         self.response.scale(self.scales.length)
     }
 
+    /// The coefficients of a structure that rests where its modal coordinates are these, m, m √kg.
+    pub fn coefficients_at_rest(&self, eta: &[f64]) -> Vec<f64> {
+        let (width, unit) = (self.series().width(), self.unit());
+        let mut x = vec![0.0; self.n_coefficients()];
+        for (k, eta) in eta.iter().enumerate().filter(|(_, eta)| **eta != 0.0) {
+            let shares = self.response.of_mode(k).into_iter().enumerate();
+            shares.for_each(|(j, share)| x[j * width] += share * eta / unit);
+        }
+        x
+    }
+
     /// Holds the phase of these unknowns from now on, where the phase is free.
     pub fn hold_phase(&mut self, x: &[f64]) {
         let (size, series) = (self.n_coefficients(), self.series());

@@ -3,7 +3,7 @@ use nlmodes_continuation::{Bound, ParametricSystem, StopReason};
 use nlmodes_hbm::{HbmError, ModalStructure, PeriodicSystem, Scales};
 
 use super::doubled::doubled_responses;
-use crate::follow::{Curve, newton};
+use crate::follow::Curve;
 use crate::{ResponseCurve, ResponseError, ResponseModel, ResponsePoint, ResponseSettings};
 
 /// Length of the window in units of the parameter: with steps of at most 0.1, some sixty points where nothing else
@@ -176,23 +176,13 @@ fn over_level<'a>(
     }
     let unit = to / WINDOW;
     let scales = scales(structure, base);
-    let mut system = PeriodicSystem::force_response(structure, load, base, unit, settings.periodic(), scales, solver)?;
+    let system = PeriodicSystem::force_response(structure, load, base, unit, settings.periodic(), scales, solver)?;
     let n = system.dim();
     let mut direction = vec![0.0; n + 1];
     direction[n] = 1.0;
     let bounds = vec![Bound { coordinate: n, min: 0.0, max: WINDOW }];
     let drive = model.drive(settings)?;
-    let mut x = vec![0.0; n];
-    if structure.gaps().iter().any(|g| *g < 0.0) {
-        // Stops that press hold the structure bent.
-        let pressed = ResponseError::NoStart {
-            omega: base * settings.subharmonic as f64,
-            level: to,
-            reached: 0.0,
-            why: "the state at rest, pressed by its stops, was not found".to_owned(),
-        };
-        x = newton(&mut system, &x, 0.0).ok_or(pressed)?;
-    }
+    let x = model.unknowns_at_rest(&system)?;
     Ok(Curve { system, x, p: 0.0, direction, bounds, drive, settings, solver })
 }
 

@@ -1,6 +1,6 @@
 use nlmodes_contact::solver_by_name;
 use nlmodes_continuation::{Bound, ParametricSystem};
-use nlmodes_hbm::{HbmError, ModalGrazing, PeriodicSystem, Symmetry, modal_grazing};
+use nlmodes_hbm::{HbmError, PeriodicSystem, Symmetry};
 
 use crate::follow::Curve;
 use crate::{ResponseCurve, ResponseError, ResponseModel, ResponseSettings};
@@ -48,7 +48,7 @@ fn free_motion(
     let own = ResponseSettings { stability: false, subharmonic: 1, ..settings.clone() };
     let solver = solver_by_name(&settings.contact_solver).map_err(HbmError::Compliance)?;
     let structure = model.structure();
-    let start: ModalGrazing = modal_grazing(structure, settings.mode)?;
+    let start = model.linear_start(settings.mode)?;
     let (periodic, scales) = (own.periodic(), start.scales());
     let system = if is_damped {
         PeriodicSystem::damped_mode(structure, periodic, scales, solver.as_ref())?

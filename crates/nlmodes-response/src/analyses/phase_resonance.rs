@@ -25,8 +25,9 @@ pub fn phase_resonance(
     }
     let drive = model.drive(settings)?.ok_or(ResponseError::NoDrive)?;
     let solver = solver_by_name(&settings.contact_solver).map_err(HbmError::Compliance)?;
-    let linear = Linear { model, settings, drive: &drive, solver: solver.as_ref() };
-    let (base, x, touching) = linear.resonance()?;
+    let closed = if model.is_pressed() { Some(model.rest()?.closed) } else { None };
+    let linear = Linear { model, settings, drive: &drive, solver: solver.as_ref(), closed };
+    let (base, [rest, x], touching) = linear.resonance()?;
     let structure = model.structure();
     let scales = scales(structure, base);
     let from = (0.5 * touching).min(0.5 * to);
@@ -40,8 +41,8 @@ pub fn phase_resonance(
         solver.as_ref(),
     )?;
     let (omega, parameter) = (system.n_coefficients(), system.dim());
-    let mut start: Vec<f64> = x.iter().map(|x| x * from).collect();
-    let mut direction = start.clone();
+    let mut start = beside(&rest, &x, from);
+    let mut direction: Vec<f64> = x.iter().map(|x| x * from).collect();
     start.push(1.0);
     direction.extend([0.0, 1.0]);
     let bounds =
@@ -57,6 +58,8 @@ struct Linear<'a> {
     settings: &'a ResponseSettings,
     drive: &'a PhaseLag,
     solver: &'a dyn LcpSolver,
+    /// The contacts that are closed at rest, of a structure that its stops press.
+    closed: Option<Vec<bool>>,
 }
 
 /// Number of frequencies in the search, and its range relative to the mode's frequency on both sides.
@@ -64,13 +67,16 @@ const GRID: (usize, f64) = (600, 0.25);
 
 impl Linear<'_> {
     /// Base frequency of the linear phase resonance, unknowns for the level one, and the level that first touches.
-    fn resonance(&self) -> Result<(f64, Vec<f64>, f64), ResponseError> {
+    fn resonance(&self) -> Result<(f64, [Vec<f64>; 2], f64), ResponseError> {
         let structure = self.model.structure();
         let (mode, available) = (self.settings.mode, structure.n_modes());
         if mode == 0 || mode > available {
             return Err(HbmError::NoSuchMode { mode, available }.into());
         }
-        let mode_omega = structure.omega_squared()[mode - 1].sqrt();
+        let mode_omega = match self.model.is_pressed() {
+            true => self.model.linear_start(mode)?.omega,
+            false => structure.omega_squared()[mode - 1].sqrt(),
+        };
         let near = mode_omega / self.settings.subharmonic as f64;
         let missed = || ResponseError::NoPhaseResonance { lag_deg: self.settings.lag.to_degrees(), omega: mode_omega };
         // Dense where the phase turns: cubes of a uniform grid about the frequency of the mode.
@@ -113,10 +119,10 @@ impl Linear<'_> {
     /// resonance.
     fn phase(&self, omega: f64) -> Result<f64, ResponseError> {
         let mut system = self.system(omega)?;
-        let x = linear_motion(&mut system)?;
-        let small = small_level(&mut system, &x)?;
-        let scaled: Vec<f64> = x.iter().map(|x| x * small).collect();
-        let motion = system.motion(&scaled, small)?;
+        let rest = self.model.unknowns_at_rest(&system)?;
+        let x = linear_motion(&mut system, &rest)?;
+        let small = small_level(&mut system, (&rest, &x), self.closed.as_deref())?;
+        let motion = system.motion(&beside(&rest, &x, small), small)?;
         let n = self.drive.harmonic;
         let own = system.load().terms().iter().zip(&self.drive.row.loads).filter(|(term, _)| term.harmonic == n);
         let moved: Complex64 = own.map(|(term, a)| a * small * omega.powi(term.omega_power)).sum();
@@ -124,29 +130,44 @@ impl Linear<'_> {
         Ok((q * Complex64::cis(self.settings.lag)).arg())
     }
 
-    /// Unknowns with all harmonics for the level one, and the level that first touches.
-    fn motion(&self, omega: f64) -> Result<(Vec<f64>, f64), ResponseError> {
+    /// Unknowns with all harmonics at rest, what the level one adds to them, and the level at which a contact first
+    /// changes its state.
+    fn motion(&self, omega: f64) -> Result<([Vec<f64>; 2], f64), ResponseError> {
         let mut few = self.system(omega)?;
-        let x = linear_motion(&mut few)?;
-        let touching = small_level(&mut few, &x)? / SAFE;
+        let rest = self.model.unknowns_at_rest(&few)?;
+        let x = linear_motion(&mut few, &rest)?;
+        let touching = small_level(&mut few, (&rest, &x), self.closed.as_deref())? / SAFE;
         let structure = self.model.structure();
         let load = self.model.load(self.settings)?;
         let scales = scales(structure, omega);
         let full =
             PeriodicSystem::force_response(structure, load, omega, 1.0, self.settings.periodic(), scales, self.solver)?;
-        Ok((full.resized(&x, few.series()), touching))
+        Ok(([rest, x].map(|x| full.resized(&x, few.series())), touching))
     }
 }
 
 /// Share of the level that first touches at which the linear motion is evaluated.
 const SAFE: f64 = 0.25;
 
-/// A level at which nothing touches: a quarter of that of the largest motion toward a stop.
-fn small_level(system: &mut PeriodicSystem, x: &[f64]) -> Result<f64, ResponseError> {
+/// The unknowns at rest with so many times those of the level one.
+fn beside(rest: &[f64], x: &[f64], level: f64) -> Vec<f64> {
+    rest.iter().zip(x).map(|(rest, x)| rest + level * x).collect()
+}
+
+/// A level at which no contact changes its state: a quarter of that at which the first one does. Of a structure that
+/// rests with its contacts open that level follows from the largest motion toward a stop; of one that its stops press,
+/// with these contacts `closed`, it is searched.
+fn small_level(
+    system: &mut PeriodicSystem,
+    (rest, x): (&[f64], &[f64]),
+    closed: Option<&[bool]>,
+) -> Result<f64, ResponseError> {
+    if let Some(closed) = closed {
+        return searched_level(system, (rest, x), closed);
+    }
     let mut level = 1.0;
     for _ in 0..200 {
-        let scaled: Vec<f64> = x.iter().map(|x| x * level).collect();
-        let motion = system.motion(&scaled, level)?;
+        let motion = system.motion(&beside(rest, x, level), level)?;
         let gaps = system.structure().gaps();
         let share = |(c, gap): (&nlmodes_hbm::ContactMotion, &f64)| if c.touches > 0 { 2.0 } else { c.peak / gap };
         let used = motion.contacts.iter().zip(gaps).map(share).fold(0.0_f64, f64::max);
@@ -159,4 +180,35 @@ fn small_level(system: &mut PeriodicSystem, x: &[f64]) -> Result<f64, ResponseEr
         }
     }
     Ok(level)
+}
+
+/// Halvings by which the level is found at which a contact changes its state.
+const HALVINGS: usize = 30;
+
+fn searched_level(
+    system: &mut PeriodicSystem,
+    (rest, x): (&[f64], &[f64]),
+    closed: &[bool],
+) -> Result<f64, ResponseError> {
+    let mut keeps = |level: f64| -> Result<bool, ResponseError> {
+        let motion = system.motion(&beside(rest, x, level), level)?;
+        let is_kept = |(of, closed): (&nlmodes_hbm::ContactMotion, &bool)| match closed {
+            true => of.closed_share >= 1.0,
+            false => of.closed_share <= 0.0,
+        };
+        Ok(motion.contacts.iter().zip(closed).all(is_kept))
+    };
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..200 {
+        match keeps(high)? {
+            true => (low, high) = (high, 4.0 * high),
+            false if low == 0.0 && !keeps(0.25 * high)? => high *= 0.25,
+            false => break,
+        }
+    }
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if keeps(middle)? { low = middle } else { high = middle }
+    }
+    Ok(SAFE * low)
 }
