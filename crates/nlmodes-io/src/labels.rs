@@ -3,6 +3,7 @@
 mod calculix;
 mod mapping;
 mod table;
+mod values;
 
 use std::collections::HashMap;
 use std::fmt;
@@ -10,6 +11,7 @@ use std::path::Path;
 
 use crate::Address;
 use crate::error::{Problem, ReadError, Result};
+pub use values::read_nodal_values;
 
 /// What a degree of freedom of a node measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]

@@ -70,7 +70,7 @@ pub use contact::{
 };
 pub use error::{Place, Problem, ReadError, Result};
 pub use formats::{Format, MatrixData, UnknownFormat, read_matrix};
-pub use labels::{Component, DofLabel, LabelTable, RepeatedLabel};
+pub use labels::{Component, DofLabel, LabelTable, RepeatedLabel, read_nodal_values};
 pub use lower::LowerTriangle;
 pub use mesh::{Element, ElementKind, Mesh, Skin, SkinCell};
 pub use model::{FeFiles, FeModel, NodeChoice};

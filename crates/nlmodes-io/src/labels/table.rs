@@ -65,7 +65,7 @@ fn check_heading(lines: &Lines, fields: &[&[u8]]) -> Result<()> {
     wrong.map_or(Ok(()), |(found, name)| Err(lines.expected(format!("the column `{name}`"), found)))
 }
 
-fn component(lines: &Lines, field: &[u8]) -> Result<Component> {
+pub(super) fn component(lines: &Lines, field: &[u8]) -> Result<Component> {
     let named = std::str::from_utf8(field).ok().and_then(Component::from_name);
     named.ok_or_else(|| lines.expected("a component 1 to 6, ux, uy, uz, rotx, roty or rotz", field))
 }
