@@ -91,6 +91,20 @@ impl ReducedStructure {
         Ok(Self { model, direction_of, stiffness, rows, least_share })
     }
 
+    /// The same structure before stops with other gaps (m), one a contact.
+    ///
+    /// # Errors
+    /// [`ReductionError::Dimension`] for another number of gaps, [`ReductionError::Model`] for one that is not finite.
+    pub fn with_gaps(&self, gaps: &[f64]) -> Result<Self, ReductionError> {
+        let (expected, found) = (self.direction_of.len(), gaps.len());
+        if expected != found {
+            return Err(ReductionError::Dimension { what: "gaps of the contacts", expected, found });
+        }
+        let contacts = self.model.contacts().iter().zip(gaps);
+        let contacts = contacts.map(|(of, &gap)| Contact { gap, ..of.clone() }).collect();
+        Ok(Self { model: self.model.clone().with_contacts(contacts)?, ..self.clone() })
+    }
+
     /// The structure: modal coordinates, then the displacement of each direction.
     pub fn model(&self) -> &StructuralModel {
         &self.model

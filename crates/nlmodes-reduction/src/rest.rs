@@ -17,7 +17,7 @@ const RIGID: f64 = 1e-6;
 const UNFELT: f64 = 1e-12;
 
 /// A structure at rest against its stops, pressed by interference or by static loads.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 #[non_exhaustive]
 pub struct RestState {
     /// Modal coordinates, m.

@@ -17,7 +17,7 @@ use nlmodes::branches::{
 use nlmodes::modal::{EndReason, ModalBranch, Participation};
 use nlmodes::model::{MasslessContactModel, StructuralModel};
 use nlmodes_scene::SceneFile;
-use nlmodes_scene::assemble::{OpenStructure, Structures};
+use nlmodes_scene::assemble::{OpenStructure, StaticState, Structures};
 use nlmodes_scene::scene::Scene;
 
 use crate::certificate::{Certificate, Sources};
@@ -30,7 +30,7 @@ use crate::open_modes::OpenLinearModes;
 use crate::outcome::{PartOutcome, RunOutcome};
 use crate::overlay::{self, Laid, Overlaid};
 use crate::physical::recover;
-use crate::settings::{Models, branch_settings, models, models_sharing, starts};
+use crate::settings::{Checked, Models, branch_settings, models, models_sharing, starts};
 use crate::style::style_of;
 use crate::updating::updated;
 use crate::{Event, Failure, Observer, Over, RunError, doubts, links, mass, no_contact, refusal};
@@ -102,7 +102,7 @@ fn one_branch(
     let directory = &scene.output_directory;
     let unwritable = |source, kept| RunError::Unwritable { directory: directory.clone(), source, kept };
     let began = Instant::now();
-    let Models { model, massless, open } = models_sharing(file, structures)?;
+    let Models { model, massless, open, state } = models_sharing(file, structures)?;
     observer.event(Event::Begun(scene));
     doubts::tell(scene, open.as_ref(), observer);
     refusal::unless_branch(file, open.as_ref())?;
@@ -112,7 +112,7 @@ fn one_branch(
         observer.event(Event::Warning(&text));
     }
     let mut journal = Journal::begun(scene, claim, observer)?;
-    let mut sink = Sink::new(directory, claim, journal.computing.clone(), observer);
+    let mut sink = Sink::new(directory, claim, (journal.computing.clone(), state.as_ref()), observer);
     let tree = compute(scene, massless.clone(), &mut journal, &mut sink);
     sink.finish();
     if let Some(failure) = sink.failure.take().or(journal.failure) {
@@ -131,14 +131,15 @@ fn one_branch(
     let certificates: Vec<Certificate> =
         tree.branches.iter().map(|branch| Certificate::of(branch, sources, &mut look)).collect();
     let found = whole(scene, &model, &massless, &modes, &tree);
-    open.iter().for_each(|open| recover(scene, open, &mut tree.branches));
-    let laid = tree.branches.first().map(|first| Overlaid::new(laid, &BranchCurve::new(first, &[])));
+    recover(scene, (open.as_ref(), state.as_ref()), &mut tree.branches);
+    let laid = tree.branches.first().map(|first| Overlaid::new(laid, &BranchCurve::new(first, &[], state.as_ref())));
     let (written, linear, participation) = match found {
         Ok((mut linear, participation)) => {
             open.iter().for_each(|open| linear.mark(&open.modes, &open.strainless));
             let is_shown = scene.files.figures || scene.files.page;
+            let curves = tree.branches.iter().zip(&participation);
             let curves: Vec<BranchCurve<'_>> =
-                tree.branches.iter().zip(&participation).map(|(one, found)| BranchCurve::new(one, found)).collect();
+                curves.map(|(one, found)| BranchCurve::new(one, found, state.as_ref())).collect();
             let period = match curves.first().filter(|_| is_shown) {
                 Some(first) => Period::of(open.as_ref(), first),
                 None => Ok(None),
@@ -147,7 +148,7 @@ fn one_branch(
             if let Some(text) = found.and_then(Period::warning) {
                 observer.event(Event::Warning(&text));
             }
-            let about = About { linear: &linear, period: found, open: open.as_ref() };
+            let about = About { linear: &linear, period: found, open: open.as_ref(), state: state.as_ref() };
             let curves: Vec<&dyn Curve> = curves.iter().map(|curve| curve as &dyn Curve).collect();
             let written = match &laid {
                 Some(laid) => write(scene, &about, (&tree, &curves, &certificates, laid), began),
@@ -162,6 +163,7 @@ fn one_branch(
         scene: scene.clone(),
         is_complete: written.is_ok() && tree.branches.iter().all(|computed| computed.branch.end.complete),
         tree,
+        state,
         linear,
         participation,
         certificates,
@@ -177,17 +179,16 @@ fn one_branch(
     Ok(part)
 }
 
-/// Whether a run of the scene would begin, with each of its numbers of harmonics; the open modes of its structure, if
-/// it is reduced by them.
+/// Whether a run of the scene would begin, with each of its numbers of harmonics.
 ///
 /// # Errors
 /// [`RunError`] that says why it would not.
-pub(crate) fn check(file: &SceneFile, observer: &mut dyn Observer) -> Result<Option<OpenStructure>, RunError> {
+pub(crate) fn check(file: &SceneFile, observer: &mut dyn Observer) -> Result<Checked, RunError> {
     if !file.scene.responses.is_empty() {
         return crate::responses::check(file, observer);
     }
     overlay::laid_over(file, &file.scene.overlays, observer)?;
-    let Models { massless, open, .. } = models(file)?;
+    let Models { massless, open, state, .. } = models(file)?;
     doubts::tell(&file.scene, open.as_ref(), observer);
     refusal::unless_branch(file, open.as_ref())?;
     let list = &file.scene.method.harmonics_list;
@@ -196,7 +197,7 @@ pub(crate) fn check(file: &SceneFile, observer: &mut dyn Observer) -> Result<Opt
     let (start, _) = starts(file.scene.continuation.start());
     let settings = BranchSettings { start, harmonics, ..branch_settings(&file.scene) };
     check_branch(&massless, &settings).map_err(|error| refusal::of_branch_in(file, open.as_ref(), &error))?;
-    Ok(open)
+    Ok((open, state))
 }
 
 /// The branches from their start; where both ways are asked for, the way down first and then, behind its points in
@@ -262,7 +263,7 @@ fn write(
     for (number, curve) in curves.iter().enumerate() {
         tables::write(&branch_directory(directory, number), &[*curve])?;
     }
-    starts::write(directory, scene, about.open, &tree.branches)?;
+    starts::write(directory, scene, (about.open, about.state), &tree.branches)?;
     summary::write(directory, (scene, about), (tree, certificates), began.elapsed())?;
     let Some(first) = curves.first() else { return Ok(()) };
     tables::write_motions(directory, &scene.files, &[*first])?;
@@ -293,4 +294,5 @@ struct About<'a> {
     linear: &'a LinearFrequencies,
     period: Option<&'a Period>,
     open: Option<&'a OpenStructure>,
+    state: Option<&'a StaticState>,
 }

@@ -37,8 +37,8 @@ pub fn check(file: &SceneFile, observer: &mut dyn Observer) -> Result<Outline, R
     }
     let (updated, mut told) = (updated(file.clone())?, Warned::of(file, observer));
     mass::warning_of(&updated)?.iter().for_each(|text| told.event(Event::Warning(text)));
-    let open = branches::check(&updated, &mut told)?;
-    Ok(Outline::of_structure(&file.scene, open.as_ref(), told.any))
+    let (open, state) = branches::check(&updated, &mut told)?;
+    Ok(Outline::of_structure(&file.scene, (open.as_ref(), state.as_ref()), told.any))
 }
 
 /// What would be extracted from records, where all of them are there.

@@ -86,6 +86,12 @@ impl Frames {
             let harmonics = modal.of(r).iter().enumerate();
             harmonics.map(|(n, q)| q.re * (n as f64 * tau).cos() - q.im * (n as f64 * tau).sin()).sum()
         });
-        Self { displacements: open.modes.displacements(dofs, &eta, &forces), contacts }
+        let mut displacements = open.modes.displacements(dofs, &eta, &forces);
+        // What the static loads move beyond the modes.
+        let moved = open.state.as_ref().map(|state| open.beyond_modes(state, dofs));
+        for (row, by) in moved.iter().flatten().enumerate() {
+            (0..frames).for_each(|k| displacements[(row, k)] += by);
+        }
+        Self { displacements, contacts }
     }
 }

@@ -106,7 +106,7 @@ pub fn picture(file: &SceneFile, watch: Watch, structures: &Structures) -> Resul
     if !file.scene.responses.is_empty() {
         return crate::responses::picture(file, &watch, structures);
     }
-    let Models { model: _, massless, open } = models_sharing(file, structures)?;
+    let Models { model: _, massless, open, state } = models_sharing(file, structures)?;
     let plain = branch_settings(&file.scene);
     let settings = BranchSettings {
         start: starts(file.scene.continuation.start()).0,
@@ -126,6 +126,7 @@ pub fn picture(file: &SceneFile, watch: Watch, structures: &Structures) -> Resul
     };
     let mut computed =
         compute_branch(massless, &settings, going_on).map_err(|error| refusal::of_branch(file, &error))?;
-    open.iter().for_each(|open| recover(&file.scene, open, [&mut computed]));
-    crate::curve::picture::picture(&file.scene, &BranchCurve::new(&computed, &[]), &watch)
+    let state = state.as_ref();
+    recover(&file.scene, (open.as_ref(), state), [&mut computed]);
+    crate::curve::picture::picture(&file.scene, &BranchCurve::new(&computed, &[], state), &watch)
 }

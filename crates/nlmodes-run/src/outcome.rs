@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use nlmodes::branches::ComputedTree;
 use nlmodes::modal::Participation;
+use nlmodes_scene::assemble::StaticState;
 use nlmodes_scene::scene::Scene;
 
 use crate::Failure;
@@ -21,6 +22,8 @@ pub struct PartOutcome {
     pub scene: Scene,
     /// Its branches; of one of several parts the first one only, the others are on disk.
     pub tree: ComputedTree,
+    /// What static loads and stops that press do to the structure; `None` without either.
+    pub state: Option<StaticState>,
     /// Linear frequencies of the structure.
     pub linear: LinearFrequencies,
     /// Participation of the lowest linear modes in each point of each of these branches.

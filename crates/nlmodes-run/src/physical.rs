@@ -1,33 +1,84 @@
-//! Displacements of the degrees of freedom of rods and beams that are computed in free-interface modes.
+//! Displacements as they are written: of the degrees of freedom of rods and beams that are computed in free-interface
+//! modes, and counted from the drawing, where the structure is without loads and contact.
 
 use nlmodes::branches::ComputedBranch;
 use nlmodes::hbm::MAX_RECORDED;
 use nlmodes::linalg::{Mat, triplets};
-use nlmodes::modal::{Coordinate, HarmonicCoefficients, ModalPoint};
+use nlmodes::modal::{Coordinate, HarmonicCoefficients, ModalPoint, TimeHistory};
 use nlmodes::model::Dof;
 use nlmodes_reduction::OpenModes;
-use nlmodes_scene::assemble::OpenStructure;
+use nlmodes_scene::assemble::{OpenStructure, StaticState};
 use nlmodes_scene::scene::Scene;
 use num_complex::Complex64;
 
-/// Gives the points of the branches of a rod or beam the displacements of its degrees of freedom in place of the
-/// reduced coordinates; of large structures those of evenly chosen ones and of the contacts. Others keep their
-/// coordinates.
-pub fn recover<'a>(scene: &Scene, open: &OpenStructure, all: impl IntoIterator<Item = &'a mut ComputedBranch>) {
-    if scene.structure.straight().is_none() {
-        return;
-    }
-    let (dofs, coordinates) = recorded(&open.dofs, &open.modes);
+/// Gives the points of the branches of a rod or beam in free-interface modes the displacements of its degrees of
+/// freedom in place of the reduced coordinates; of large structures those of evenly chosen ones and of the contacts.
+/// Others keep their coordinates. All are counted from the drawing.
+pub fn recover<'a>(
+    scene: &Scene,
+    (open, state): (Option<&OpenStructure>, Option<&StaticState>),
+    all: impl IntoIterator<Item = &'a mut ComputedBranch>,
+) {
     for computed in all {
+        let displaced = open.filter(|_| scene.structure.straight().is_some());
+        displaced.into_iter().for_each(|open| recover_branch(open, computed));
+        let Some(state) = state else { continue };
+        let moved = match (displaced, open) {
+            (Some(open), _) => of_dofs(state, &recorded(&open.dofs, &open.modes).0),
+            (None, Some(_)) => written_displacement(scene, open, state),
+            (None, None) => {
+                let recorded = |dof: &usize| computed.structure.recorded_index(*dof).is_some();
+                of_dofs(state, &(0..state.displacement.len()).filter(recorded).collect::<Vec<_>>())
+            }
+        };
         let branch = &mut computed.branch;
-        branch.points.iter_mut().for_each(|point| recover_point(open, &dofs, point));
-        branch.coordinates.clone_from(&coordinates);
         let first = computed.structure.model().contacts().first();
-        let own = first.map(|contact| computed.structure.model().dofs()[contact.dof]);
-        branch.contact_coordinate = own.and_then(|own| {
-            branch.coordinates.iter().position(|c| c.kind == own.kind.name() && c.position == own.position)
-        });
+        let toward = first.map_or(0.0, |contact| contact.side.sign() * state.toward(0));
+        branch.stop = branch.stop.map(|stop| stop + toward);
+        for point in &mut branch.points {
+            count_from_drawing(state, point);
+            moved.iter().enumerate().for_each(|(d, by)| point.coefficients.of_mut(d)[0] += by);
+        }
     }
+}
+
+/// Counts the displacement of the first contact of a point from the drawing, and its energy from that at rest.
+pub fn count_from_drawing(state: &StaticState, point: &mut ModalPoint) {
+    point.peak += state.toward(0);
+    point.total_energy -= state.energy();
+}
+
+/// The displacements of these degrees of freedom under the static loads, m.
+pub fn of_dofs(state: &StaticState, dofs: &[usize]) -> Vec<f64> {
+    dofs.iter().map(|dof| state.displacement[*dof]).collect()
+}
+
+/// The displacements under the static loads in the coordinates that files have where all of these are written: of the
+/// degrees of freedom of rods and beams, and of others in free-interface modes the reduced ones.
+pub fn written_displacement(scene: &Scene, open: Option<&OpenStructure>, state: &StaticState) -> Vec<f64> {
+    match open.filter(|_| scene.structure.straight().is_none()) {
+        Some(open) => reduced_state(open, &state.displacement),
+        None => state.displacement.clone(),
+    }
+}
+
+/// Counts the motion of a contact, along a coordinate that grows `toward` its stop where that is one, from the drawing.
+pub fn count_history_from_drawing(state: Option<&StaticState>, contact: usize, toward: f64, of: &mut TimeHistory) {
+    let by = state.map_or(0.0, |state| toward * state.toward(contact));
+    of.stop += by;
+    of.displacement.iter_mut().for_each(|q| *q += by);
+}
+
+fn recover_branch(open: &OpenStructure, computed: &mut ComputedBranch) {
+    let (dofs, coordinates) = recorded(&open.dofs, &open.modes);
+    let branch = &mut computed.branch;
+    branch.points.iter_mut().for_each(|point| recover_point(open, &dofs, point));
+    branch.coordinates.clone_from(&coordinates);
+    let first = computed.structure.model().contacts().first();
+    let own = first.map(|contact| computed.structure.model().dofs()[contact.dof]);
+    branch.contact_coordinate = own.and_then(|own| {
+        branch.coordinates.iter().position(|c| c.kind == own.kind.name() && c.position == own.position)
+    });
 }
 
 /// All degrees of freedom, or evenly chosen ones and those of the contacts; and what they are.

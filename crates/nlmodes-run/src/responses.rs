@@ -21,7 +21,6 @@ use std::time::{Duration, Instant};
 use nlmodes::report::ReportError;
 use nlmodes::response::StepLog;
 use nlmodes_scene::SceneFile;
-use nlmodes_scene::assemble::OpenStructure;
 use nlmodes_scene::scene::Scene;
 
 use crate::certificate::Certificate;
@@ -31,6 +30,7 @@ use crate::curve::{self, Curve, histories};
 use crate::doubts;
 use crate::journal::Journal;
 use crate::overlay::LaidCurve;
+use crate::settings::Checked;
 use crate::style::style_of;
 use crate::updating::updated;
 use crate::{Event, Failure, Observer, Over, RunError, links, no_contact};
@@ -269,9 +269,9 @@ fn files(
 ///
 /// # Errors
 /// [`RunError`] that says why it would not.
-pub fn check(file: &SceneFile, observer: &mut dyn Observer) -> Result<Option<OpenStructure>, RunError> {
+pub fn check(file: &SceneFile, observer: &mut dyn Observer) -> Result<Checked, RunError> {
     overlaid::read(file, observer)?;
     let model = Model::new(file)?;
     doubts::tell(&file.scene, model.reduction.as_ref(), observer);
-    Ok(model.reduction)
+    Ok((model.reduction, model.state))
 }

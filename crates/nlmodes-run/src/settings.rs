@@ -5,7 +5,7 @@ use nlmodes::branches::{
 };
 use nlmodes::model::{MasslessContactModel, StructuralModel};
 use nlmodes_scene::SceneFile;
-use nlmodes_scene::assemble::{Assembly, OpenStructure, Structures, contact_model};
+use nlmodes_scene::assemble::{Assembly, OpenStructure, StaticState, Structures, contact_model};
 use nlmodes_scene::scene::{
     AtBranchPoint, FrequencyDirection, InternalResonance, MethodKind, Scene, StabilityChoice, Start, Switching,
     Symmetry,
@@ -21,7 +21,12 @@ pub struct Models {
     pub massless: MasslessContactModel,
     /// The open modes from which it is made, if it is.
     pub open: Option<OpenStructure>,
+    /// What static loads and stops that press do to it.
+    pub state: Option<StaticState>,
 }
+
+/// A structure in free-interface modes, if it is reduced by them, and its static state, if it has one.
+pub type Checked = (Option<OpenStructure>, Option<StaticState>);
 
 /// The structure of the scene, and the model of it that the method works on.
 pub fn models(file: &SceneFile) -> Result<Models, RunError> {
@@ -30,11 +35,11 @@ pub fn models(file: &SceneFile) -> Result<Models, RunError> {
 
 /// The same, reusing files that were already read and reduced.
 pub fn models_sharing(file: &SceneFile, structures: &Structures) -> Result<Models, RunError> {
-    let Assembly { model, open } =
+    let Assembly { model, open, state } =
         Assembly::sharing(&file.scene, structures).map_err(|error| refusal::at(file, &error.path(), &error))?;
     let massless =
         contact_model(&file.scene, &model).map_err(|error| refusal::at(file, "method.mass_redistribution", &error))?;
-    Ok(Models { model, massless, open })
+    Ok(Models { model, massless, open, state })
 }
 
 /// Where the branch of a scene starts, and the start of its other half where it goes both ways.

@@ -3,25 +3,31 @@
 mod contact;
 mod open;
 mod parts;
+mod places;
 mod several;
 mod shared;
+mod static_loads;
 mod steps;
 mod strainless;
 
 use std::f64::consts::TAU;
+use std::path::PathBuf;
 
+use nlmodes::contact::LcpError;
 use nlmodes::fem::{Beam, FemError, MassMatrix, Material, Mesh, Rod, Section, Step, Stop, Support};
 use nlmodes::model::{
     Conserve, Contact, DofIndex, DofKind, Drop, ImposedFrequencies, MassRedistribution, MasslessContactModel,
     ModelError, Move, StructuralModel,
 };
-use nlmodes_io::{ContactError, ReadError, find_contacts};
+use nlmodes_io::{ContactError, DofLabel, ReadError, find_contacts};
 use nlmodes_linalg::{Digits, LinalgError};
 use nlmodes_reduction::ReductionError;
 use thiserror::Error;
 
 pub use open::{OpenStructure, dofs, free_modes};
+pub use places::{Body, node_weights};
 pub use shared::Structures;
+pub use static_loads::StaticState;
 pub use strainless::Strainless;
 
 use crate::scene::{self, GroundSpring, MassPoint, MassRule, MethodKind, Scene, SceneStructure, StructureKind};
@@ -181,6 +187,44 @@ pub enum StructureError {
          buckling, and the stiffness where the stiffness is named"
     )]
     Negative,
+    /// Static loads on a structure that nothing holds.
+    #[error(
+        "the structure floats: under `{key}` it does not rest, with its contacts open; expected a support, or a soft \
+        spring to the ground"
+    )]
+    FloatsUnderLoad {
+        /// The key of the load.
+        key: &'static str,
+    },
+    /// A table of nodal values cannot be read.
+    #[error("{source}")]
+    StaticFile {
+        /// The key that names it.
+        key: &'static str,
+        /// What is wrong with it.
+        source: ReadError,
+    },
+    /// A table of nodal values names what the structure does not have.
+    #[error("{}: the structure has no row for {label}; expected a degree of freedom of its matrices", path.display())]
+    StaticRow {
+        /// The key that names the table.
+        key: &'static str,
+        /// The degree of freedom.
+        label: DofLabel,
+        /// The table.
+        path: PathBuf,
+    },
+    /// A constant force acts where there is nothing.
+    #[error("{why}")]
+    StaticForce {
+        /// Number of the force in the scene, from 0.
+        force: usize,
+        /// What is wrong with the place.
+        why: String,
+    },
+    /// The contact forces at rest are not found.
+    #[error("contact forces at rest under the static loads")]
+    Rest(#[source] LcpError),
     /// It cannot be reduced.
     #[error("the structure cannot be reduced by its open modes")]
     Reduction(#[source] ReductionError),
@@ -210,6 +254,11 @@ impl StructureError {
             Self::Buckled { .. } | Self::Negative | Self::Digits { .. } => "structure.stiffness".into(),
             Self::Imposed(_) => "structure.modes.frequencies_hz".into(),
             Self::Contact(error) => format!("contact.{}", error.contact),
+            Self::FloatsUnderLoad { key } | Self::StaticFile { key, .. } | Self::StaticRow { key, .. } => {
+                (*key).to_owned()
+            }
+            Self::StaticForce { force, .. } => format!("static_force.{force}"),
+            Self::Rest(_) => "contact".into(),
             Self::Reduction(ReductionError::NoMode { .. } | ReductionError::OnlyRigidModes { .. }) => {
                 "reduction".into()
             }
@@ -225,6 +274,8 @@ pub struct Assembly {
     pub model: StructuralModel,
     /// What it was reduced from.
     pub open: Option<OpenStructure>,
+    /// What static loads and stops that press do to it: its gaps are those that they leave.
+    pub state: Option<StaticState>,
 }
 
 impl Assembly {
@@ -243,9 +294,12 @@ impl Assembly {
     pub fn sharing(scene: &Scene, structures: &Structures) -> Result<Self, StructureError> {
         if scene.is_in_open_modes() {
             let open = OpenStructure::of(scene, structures)?;
-            return Ok(Self { model: open.reduced.model().clone(), open: Some(open) });
+            return Ok(Self { model: open.reduced.model().clone(), state: open.state.clone(), open: Some(open) });
         }
-        Ok(Self { model: full_model(scene, structures)?, open: None })
+        let model = full_model(scene, structures)?;
+        let state = static_loads::of_model(scene, &model)?;
+        let model = if let Some(state) = &state { static_loads::moved(model, state)? } else { model };
+        Ok(Self { model, open: None, state })
     }
 }
 

@@ -14,6 +14,7 @@ mod reduction;
 mod response;
 mod section;
 mod shooting;
+mod static_loads;
 mod structure;
 mod updating;
 mod virtual_test;
@@ -141,6 +142,7 @@ fn rest(
     let uniform = structure.as_ref().is_none_or(|s| s.straight().is_some_and(|s| s.segments.is_empty()));
     let updating = raw.updating.as_ref().map(|written| updating::checked(written, uniform, diagnostics));
     contact::dampers(&contacts, structure.as_ref(), has_responses, diagnostics);
+    let static_loads = static_loads::check(raw, base, &subject.places, diagnostics);
     let of_responses = response::check(raw, &subject.places, method.as_ref(), diagnostics);
     let output = raw.output.clone().unwrap_or_default();
     Some(Scene {
@@ -149,6 +151,7 @@ fn rest(
         contacts,
         reduction,
         updating,
+        static_loads,
         damping: of_responses.damping,
         forces: of_responses.forces,
         base_motion: of_responses.base_motion,

@@ -4,11 +4,13 @@
 mod matrices;
 mod records;
 mod responses;
+mod static_loads;
 mod structure;
 mod test;
 
 use std::fmt;
 
+use crate::assemble::{OpenStructure, StaticState};
 use crate::number;
 use crate::scene::{RecordScene, Scene, TestScene};
 
@@ -36,10 +38,14 @@ pub struct Row {
 const WARNED: &str = "The scene can be computed, but see the warning; nothing was computed.";
 
 impl Outline {
-    /// Of a structure; `open` is known of structures in open modes. `warned` says that a warning stands above it which
-    /// is to be read first.
-    pub fn of_structure(scene: &Scene, open: Option<&crate::assemble::OpenStructure>, warned: bool) -> Self {
-        Self { title: scene.title.clone(), rows: structure::rows(scene, open), verdict: verdict(warned) }
+    /// Of a structure; `open` is known of structures in open modes, `state` of those with static loads or stops that
+    /// press. `warned` says that a warning stands above it which is to be read first.
+    pub fn of_structure(
+        scene: &Scene,
+        (open, state): (Option<&OpenStructure>, Option<&StaticState>),
+        warned: bool,
+    ) -> Self {
+        Self { title: scene.title.clone(), rows: structure::rows(scene, open, state), verdict: verdict(warned) }
     }
 
     /// Of records, whose files are there.

@@ -9,6 +9,7 @@ mod method;
 mod parts;
 mod records;
 mod response;
+mod static_loads;
 mod structure;
 mod virtual_test;
 
@@ -19,6 +20,7 @@ pub use records::{RawChannel, RawExtraction, RawLinearModes, RawPbmifHarmonics, 
 pub use response::{
     RawBaseMotion, RawDamping, RawDashpot, RawDirection, RawForce, RawModeDamping, RawPlace, RawResponse,
 };
+pub use static_loads::{RawGravity, RawStaticDisplacement, RawStaticForce, RawThermal};
 pub use structure::{RawMaterial, RawSection, RawStructure};
 pub use virtual_test::{RawExciter, RawNoise, RawSchedule, RawTestScene, RawVirtualTest};
 
@@ -45,6 +47,14 @@ pub struct RawAnalysis {
     pub force: Option<Vec<RawForce>>,
     /// A base that shakes, in place of forces
     pub base_motion: Option<RawBaseMotion>,
+    /// Weight
+    pub gravity: Option<RawGravity>,
+    /// Constant forces, each under its own heading `[[static_force]]`
+    pub static_force: Option<Vec<RawStaticForce>>,
+    /// Heat
+    pub thermal: Option<RawThermal>,
+    /// Displacements under static loads that are known from elsewhere
+    pub static_displacement: Option<RawStaticDisplacement>,
     /// Damped and forced motions, in place of the conservative nonlinear mode; several stand under headings
     /// `[[response]]`
     pub response: Option<Vec<RawResponse>>,

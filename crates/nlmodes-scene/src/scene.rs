@@ -7,6 +7,7 @@ mod parts;
 mod records;
 mod reduction;
 mod response;
+mod static_loads;
 mod supports;
 mod updating;
 mod virtual_test;
@@ -24,6 +25,7 @@ pub use parts::{GroundSpring, MassPoint, Refined, Segment};
 pub use records::RecordScene;
 pub use reduction::{Matrices, Reduction, SceneStructure};
 pub use response::{BaseDirection, BaseMotion, Damping, Dashpot, Force, ModeDamping, Place, Response};
+pub use static_loads::{ForcePlace, Gravity, StaticForce, StaticLoads, Thermal};
 pub use supports::{free_dofs, holds};
 pub use updating::{Updating, UpdatingDone};
 pub use virtual_test::{Backbone, KeptRecords, TestLoop, TestScene, TestStop};
@@ -52,6 +54,9 @@ pub struct Scene {
     /// Parameters that are fitted to given linear frequencies.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub updating: Option<Updating>,
+    /// Loads that do not change in time.
+    #[serde(default, skip_serializing_if = "StaticLoads::is_empty")]
+    pub static_loads: StaticLoads,
     /// Damping with open contacts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub damping: Option<Damping>,

@@ -13,12 +13,12 @@ row! {
         point: usize, "", "number of the point, from 0";
         frequency_hz: f64, "Hz", "nonlinear modal frequency, ω/2π";
         energy_j: f64, "J", "averaged kinetic energy over a period, the path parameter";
-        total_energy_j: f64, "J", "kinetic and strain energy";
+        total_energy_j: f64, "J", "kinetic and strain energy, above that at rest";
         modal_amplitude: f64, "m √kg",
             "nonlinear modal amplitude: norm of the fundamental, weighted by the mass matrix";
         fundamental_m: f64, "m", "real amplitude of the fundamental at stop 0, signed against its phase anchor";
         peak_m: f64, "m",
-            "largest displacement at stop 0 toward it; of a stop that stands still while the base shakes, in space";
+            "largest displacement at stop 0 toward it, from the drawing; of a stop that stands still while the base shakes, in space";
         contact_fraction: f64, "", "share of the period in which stop 0 is touched, 0 to 1";
         contact_intervals: usize, "", "closed intervals a period, all stops together";
         peak_contact_force_n: f64, "N",

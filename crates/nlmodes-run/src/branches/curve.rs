@@ -7,21 +7,38 @@ use nlmodes::modal::{Coordinate, ModalBranch, Participation, TimeHistory};
 use nlmodes::model::DofContact;
 use nlmodes::report::StopLine;
 use nlmodes::report::columns::ResponseRow;
-use nlmodes_scene::assemble::OpenStructure;
+use nlmodes_scene::assemble::{OpenStructure, StaticState};
 
 use crate::Failure;
 use crate::curve::{Curve, Frames};
+use crate::physical::count_history_from_drawing;
 
 /// A branch with the participation of linear modes at its points.
 pub(crate) struct BranchCurve<'a> {
     computed: &'a ComputedBranch,
     participation: &'a [Participation],
+    state: Option<&'a StaticState>,
     histories: RefCell<Histories<'a>>,
 }
 
 impl<'a> BranchCurve<'a> {
-    pub fn new(computed: &'a ComputedBranch, participation: &'a [Participation]) -> Self {
-        Self { computed, participation, histories: RefCell::new(Histories::of(computed)) }
+    /// `state` is what static loads and stops that press do to the structure.
+    pub fn new(
+        computed: &'a ComputedBranch,
+        participation: &'a [Participation],
+        state: Option<&'a StaticState>,
+    ) -> Self {
+        Self { computed, participation, state, histories: RefCell::new(Histories::of(computed)) }
+    }
+}
+
+impl BranchCurve<'_> {
+    /// Counts displacements of its contacts from the drawing.
+    pub(super) fn count_from_drawing(&self, histories: &mut [TimeHistory]) {
+        let sides = self.computed.structure.model().contacts().iter().map(|contact| contact.side.sign());
+        for ((number, history), side) in histories.iter_mut().enumerate().zip(sides) {
+            count_history_from_drawing(self.state, number, side, history);
+        }
     }
 }
 
@@ -52,7 +69,7 @@ impl Curve for BranchCurve<'_> {
 
     fn stops(&self) -> Vec<StopLine> {
         let (structure, coordinates) = (&self.computed.structure, &self.branch().coordinates);
-        let line = |contact: &DofContact| {
+        let line = |(number, contact): (usize, &DofContact)| {
             let dof = structure.model().dofs()[contact.dof];
             let is_there = |c: &Coordinate| c.kind == dof.kind.name() && c.position == dof.position;
             // What is recorded is numbered, which of large structures is not every degree of freedom; displacements
@@ -61,19 +78,22 @@ impl Curve for BranchCurve<'_> {
             let recorded = recorded.filter(|&k| coordinates.get(k).is_some_and(is_there));
             Some(StopLine {
                 coordinate: recorded.or_else(|| coordinates.iter().position(is_there))?,
-                position: contact.side.sign() * contact.gap,
+                position: contact.side.sign() * (contact.gap + self.state.map_or(0.0, |state| state.toward(number))),
                 positive: contact.side.sign() > 0.0,
             })
         };
-        structure.model().contacts().iter().filter_map(line).collect()
+        structure.model().contacts().iter().enumerate().filter_map(line).collect()
     }
 
     fn histories(&self, point: usize, samples: usize, label: &str) -> Result<Vec<TimeHistory>, Failure> {
-        Ok(self.histories.borrow_mut().at(point, samples, label)?)
+        let mut all = self.histories.borrow_mut().at(point, samples, label)?;
+        self.count_from_drawing(&mut all);
+        Ok(all)
     }
 
     fn frames(&self, open: &OpenStructure, point: usize, dofs: &[usize], frames: usize) -> Result<Frames, Failure> {
-        let contacts = self.histories.borrow_mut().equidistant(point, frames, "")?;
+        let mut contacts = self.histories.borrow_mut().equidistant(point, frames, "")?;
+        self.count_from_drawing(&mut contacts);
         Ok(Frames::new(contacts, &self.branch().points[point].coefficients, open, dofs, frames))
     }
 }

@@ -134,11 +134,11 @@ mod tests {
             );
             let files =
                 nlmodes_scene::parse_each_method("rod.toml", &text, &[]).map_err(|refused| refused.text(false))?;
-            let Models { massless, open, .. } = models(&files[0])?;
+            let Models { massless, open, state, .. } = models(&files[0])?;
             let settings = BranchSettings { held_modes: Some(20), ..branch_settings(&files[0].scene) };
             let mut computed = compute_branch(massless, &settings, |_| ControlFlow::Continue(()))?;
-            open.iter().for_each(|open| physical::recover(&files[0].scene, open, [&mut computed]));
-            let stops = BranchCurve::new(&computed, &[]).stops();
+            physical::recover(&files[0].scene, (open.as_ref(), state.as_ref()), [&mut computed]);
+            let stops = BranchCurve::new(&computed, &[], state.as_ref()).stops();
             let at: Vec<f64> = stops.iter().map(|stop| computed.branch.coordinates[stop.coordinate].position).collect();
             assert!(at.len() == 2 && (at[0] - 1.0).abs() < 1e-9 && (at[1] - 0.5).abs() < 1e-9, "{elements}: {at:?}");
             let stands: Vec<(f64, bool)> = stops.iter().map(|stop| (stop.position, stop.positive)).collect();

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use nlmodes::branches::{ComputedBranch, Histories, reference_points};
+use nlmodes_scene::assemble::StaticState;
 
 use super::curve::BranchCurve;
 use crate::Failure;
@@ -14,7 +15,7 @@ use crate::curve::stops::{self, short};
 ///
 /// # Errors
 /// If a periodic problem cannot be evaluated.
-pub fn references(all: &[&ComputedBranch]) -> Result<Vec<Reference>, Failure> {
+pub fn references(all: &[&ComputedBranch], state: Option<&StaticState>) -> Result<Vec<Reference>, Failure> {
     let Some(first) = all.first() else { return Ok(Vec::new()) };
     let shown = &all[..all.len().min(MAX_CURVES)];
     let highest = |branch: &ComputedBranch| branch.branch.points.iter().map(|p| p.modal_amplitude).fold(0.0, f64::max);
@@ -31,8 +32,9 @@ pub fn references(all: &[&ComputedBranch]) -> Result<Vec<Reference>, Failure> {
             let Some(solution) = branch.at_amplitude(amplitude, points[point].omega)? else { continue };
             let label = format!("{}: {:.4} Hz", branch.branch.label, solution.point.omega / TAU);
             let mut motion = Histories::of(branch).between(&solution, SAMPLES, &label)?;
+            BranchCurve::new(branch, &[], state).count_from_drawing(&mut motion);
             if motion.len() > 1 {
-                let names = stops::names(&BranchCurve::new(branch, &[])).into_iter();
+                let names = stops::names(&BranchCurve::new(branch, &[], None)).into_iter();
                 motion.iter_mut().zip(names).for_each(|(history, name)| history.label = format!("{label}, {name}"));
             }
             motions.push(motion);

@@ -142,11 +142,15 @@ impl Branch {
     }
 }
 
+/// The first branch of a part as a curve.
+fn first_curve(part: &PartOutcome) -> Option<BranchCurve<'_>> {
+    Some(BranchCurve::new(part.tree.branches.first()?, part.shares(), part.state.as_ref()))
+}
+
 /// Writes the common files; the differences from the first part in lines.
 fn write(files: &[SceneFile], parts: &[PartOutcome], rows: Vec<Branch>, laid: &[Laid]) -> Result<Vec<String>, Failure> {
     let Some(file) = files.first() else { return Ok(Vec::new()) };
-    let curves: Vec<BranchCurve<'_>> =
-        parts.iter().filter_map(|part| Some(BranchCurve::new(part.tree.branches.first()?, part.shares()))).collect();
+    let curves: Vec<BranchCurve<'_>> = parts.iter().filter_map(first_curve).collect();
     let curves: Vec<&dyn Curve> = curves.iter().map(|curve| curve as &dyn Curve).collect();
     let Some(own) = curves.first() else { return Ok(Vec::new()) };
     let (scene, directory) = (&file.scene, &file.scene.output_directory);
@@ -174,7 +178,7 @@ fn write_figures(
     let (Some(file), Some(first)) = (files.first(), parts.first()) else { return Ok(()) };
     let (scene, directory) = (&file.scene, &file.scene.output_directory);
     let branches: Vec<&ComputedBranch> = parts.iter().filter_map(|part| part.tree.branches.first()).collect();
-    let references = references(&branches)?;
+    let references = references(&branches, first.state.as_ref())?;
     if scene.files.figures {
         let shown: Vec<&ModalBranch> = curves.iter().map(|curve| curve.branch()).chain(laid.branches()).collect();
         figures::frequencies(directory, scene, (&shown, &laid.scattered(curves.len())), &[], &references)?;

@@ -1,5 +1,6 @@
 //! Points on disk as they are found.
 
+use std::borrow::Cow;
 use std::cell::Cell;
 use std::fs;
 use std::ops::ControlFlow;
@@ -9,9 +10,11 @@ use std::rc::Rc;
 use nlmodes::branches::BranchProgress;
 use nlmodes::modal::ModalPoint;
 use nlmodes::report::{BranchWriter, ReportError};
+use nlmodes_scene::assemble::StaticState;
 
 use crate::claim::Claim;
 use crate::files::{STARTS, remove_all, remove_ends, remove_temporary};
+use crate::physical::count_from_drawing;
 use crate::{Event, Observer};
 
 /// Where the files of a branch are: the first one's in the output directory itself, the others' in folders of it.
@@ -29,6 +32,8 @@ pub struct Sink<'a> {
     writers: Vec<BranchWriter>,
     /// Whether points are new.
     computing: Rc<Cell<bool>>,
+    /// What static loads and stops that press do to the structure.
+    state: Option<&'a StaticState>,
     /// Why a point could not be written.
     pub failure: Option<ReportError>,
     /// The observer, which may request the end.
@@ -39,10 +44,10 @@ impl<'a> Sink<'a> {
     pub fn new(
         directory: &'a Path,
         claim: &'a Claim,
-        computing: Rc<Cell<bool>>,
+        (computing, state): (Rc<Cell<bool>>, Option<&'a StaticState>),
         observer: &'a mut dyn Observer,
     ) -> Self {
-        Self { directory, claim, writers: Vec::new(), computing, failure: None, observer }
+        Self { directory, claim, writers: Vec::new(), computing, state, failure: None, observer }
     }
 
     pub fn take(&mut self, progress: BranchProgress) -> ControlFlow<()> {
@@ -74,7 +79,7 @@ impl<'a> Sink<'a> {
     pub fn begin_again<'p>(&mut self, points: impl Iterator<Item = &'p ModalPoint>) {
         let again = || -> Result<Vec<BranchWriter>, ReportError> {
             let mut writer = BranchWriter::create_hidden(self.directory.join("branch.csv"))?;
-            points.into_iter().try_for_each(|point| writer.append(point))?;
+            points.into_iter().try_for_each(|point| writer.append(&from_drawing(self.state, point)))?;
             Ok(vec![writer])
         };
         match again() {
@@ -115,7 +120,7 @@ impl<'a> Sink<'a> {
             remove_temporary(&directory);
             self.writers.push(BranchWriter::create_hidden(directory.join("branch.csv"))?);
         }
-        self.writers[branch].append(point)?;
+        self.writers[branch].append(&from_drawing(self.state, point))?;
         if self.computing.get() { self.show() } else { Ok(()) }
     }
 
@@ -131,4 +136,11 @@ impl<'a> Sink<'a> {
             drop(fs::remove_dir(folder));
         }
     }
+}
+
+/// The point with displacements that are counted from the drawing.
+fn from_drawing<'p>(state: Option<&StaticState>, point: &'p ModalPoint) -> Cow<'p, ModalPoint> {
+    let mut point = Cow::Borrowed(point);
+    state.into_iter().for_each(|state| count_from_drawing(state, point.to_mut()));
+    point
 }

@@ -14,7 +14,7 @@ use super::About;
 use super::sink::branch_directory;
 use crate::Failure;
 use crate::certificate::{Certificate, Number, NumberError};
-use crate::curve::summary::{At, ContactAt, End, Reduction, Resonance, Stability, largest_residual};
+use crate::curve::summary::{At, AtRest, ContactAt, End, Reduction, Resonance, Stability, largest_residual};
 use crate::linear::{LinearFrequencies, modal_model};
 use nlmodes_scene::scene::{MethodKind, Scene};
 
@@ -34,6 +34,9 @@ struct Summary<'a> {
     /// Of a structure from files: which nodes each contact joins.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     contacts: Vec<ContactAt>,
+    /// Each contact under static loads, or where a stop presses.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    rest: Vec<AtRest>,
     #[serde(skip_serializing_if = "Option::is_none")]
     accuracy: Option<AccuracyUsed>,
     points: usize,
@@ -211,6 +214,7 @@ pub fn write(
         method: method_used(scene, computed),
         reduction: about.open.map(|open| Reduction::new(scene, open, computed.grazing.contact)),
         contacts: ContactAt::all(about.open),
+        rest: AtRest::all(about.state),
         accuracy: AccuracyUsed::new(scene, computed),
         points: points.len(),
         motion: about.period.and_then(|period| At::of(points, 0, period.point)),

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use nlmodes::modal::{BranchEnd, ModalPoint, Tongue, tongues};
 use nlmodes_io::NodeContact;
-use nlmodes_scene::assemble::OpenStructure;
+use nlmodes_scene::assemble::{OpenStructure, StaticState};
 use nlmodes_scene::scene::Scene;
 use serde::Serialize;
 
@@ -158,5 +158,41 @@ impl ContactAt {
             gap_m: c.gap,
         };
         contacts.iter().enumerate().map(of).collect()
+    }
+}
+
+/// A contact of a structure under static loads, or that its stops press.
+#[derive(Serialize)]
+pub struct AtRest {
+    /// Its number in `contacts.csv`.
+    contact: usize,
+    /// Its gap under the loads while all contacts are open; negative where the stop is in the way.
+    free_gap_m: f64,
+    /// Its clearance at rest, zero where it is closed; unknown of a structure that floats.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    clearance_m: Option<f64>,
+    /// Whether it is closed at rest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    closed: Option<bool>,
+    /// Its force at rest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    force_n: Option<f64>,
+}
+
+impl AtRest {
+    /// All contacts; none without static loads and stops that press.
+    pub fn all(state: Option<&StaticState>) -> Vec<Self> {
+        let Some(state) = state else { return Vec::new() };
+        let of = |(contact, &free_gap_m): (usize, &f64)| {
+            let rest = &state.rest;
+            Self {
+                contact,
+                free_gap_m,
+                clearance_m: rest.gaps.get(contact).copied(),
+                closed: rest.closed.get(contact).copied(),
+                force_n: rest.forces.get(contact).copied(),
+            }
+        };
+        state.free_gaps.iter().enumerate().map(of).collect()
     }
 }

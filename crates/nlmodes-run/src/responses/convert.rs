@@ -10,6 +10,7 @@ use num_complex::Complex64;
 
 use super::model::Model;
 use crate::curve::LINEAR_MODES;
+use crate::physical::count_from_drawing;
 
 /// What turns motions into points of a curve.
 pub struct Converter<'a> {
@@ -70,6 +71,7 @@ impl<'a> Converter<'a> {
         for (d, row) in self.rows.iter().enumerate() {
             let displacement = self.model.response().displacement(row, motion, self.subharmonic);
             coefficients.of_mut(d).copy_from_slice(&displacement);
+            coefficients.of_mut(d)[0] += self.model.moved.get(d).copied().unwrap_or(0.0);
         }
         let mut found = ModalPoint {
             coefficients,
@@ -78,6 +80,7 @@ impl<'a> Converter<'a> {
             driven: Some(self.driven(point, appropriated)?),
             ..point.modal_point()
         };
+        self.model.state.iter().for_each(|state| count_from_drawing(state, &mut found));
         found.resonance = found.resonant_harmonic().and_then(|harmonic| {
             let modal = || Some(modal_coordinates(motion, self.omega.len()));
             InternalResonance::of_harmonic(harmonic, harmonic as f64 * found.omega, &self.omega, modal)

@@ -1,14 +1,15 @@
-use nlmodes::hbm::{HbmError, modal_grazing};
+use nlmodes::hbm::HbmError;
 use nlmodes::modal::{BranchEnd, Coordinate, EndReason, ModalBranch};
 use nlmodes::model::MassShift;
 use nlmodes::response::{Dashpot, ResponseError, ResponseModel, Weights};
 use nlmodes_reduction::OpenModes;
 use nlmodes_scene::SceneFile;
-use nlmodes_scene::assemble::{OpenStructure, Structures};
+use nlmodes_scene::assemble::{OpenStructure, StaticState, Structures};
 use nlmodes_scene::scene::{Place, Response, ResponseKind, Scene, Side};
 
 use super::damping::damping;
 use super::structure::{Reduced, base_motion, reduced};
+use crate::physical::of_dofs;
 use crate::{RunError, chain, refusal};
 
 /// The structure of a scene with its damping and the load of level one.
@@ -28,8 +29,12 @@ pub struct Model {
     pub sides: Vec<f64>,
     /// Of each contact that is one degree of freedom, its place among those recorded.
     pub contact_coordinates: Vec<Option<usize>>,
-    /// Clearance of each contact at rest, m.
+    /// Clearance of each contact in the drawing, m.
     pub gaps: Vec<f64>,
+    /// What static loads and stops that press do to the structure.
+    pub state: Option<StaticState>,
+    /// Displacements of the recorded degrees of freedom under the static loads, m; empty without these.
+    pub moved: Vec<f64>,
     /// The reduction, where the scene or its structure asks for open modes.
     pub reduction: Option<OpenStructure>,
     /// Unit of the levels.
@@ -123,7 +128,9 @@ impl Model {
         let contact_coordinates: Vec<Option<usize>> =
             contacts.iter().map(|weights| coordinate(weights, recorded)).collect();
         Ok(Self {
-            gaps: parts.open.gaps().to_vec(),
+            gaps: drawn_gaps(&parts),
+            moved: parts.state.as_ref().map(|state| of_dofs(state, &parts.recorded)).unwrap_or_default(),
+            state: parts.state.clone(),
             response,
             drives,
             force_places,
@@ -168,8 +175,11 @@ impl Model {
         &self.response
     }
 
-    /// Angular frequency of an open mode (from 1), rad/s.
+    /// Angular frequency of a linear mode (from 1) about rest, rad/s: with the contacts open that are open there.
     pub fn mode_frequency(&self, mode: usize) -> Option<f64> {
+        if self.response.structure().gaps().iter().any(|gap| *gap < 0.0) {
+            return self.response.linear_start(mode).ok().map(|start| start.omega);
+        }
         self.response.structure().omega_squared().get(mode.checked_sub(1)?).map(|w| w.max(0.0).sqrt())
     }
 
@@ -177,6 +187,12 @@ impl Model {
     pub fn open_modes(&self) -> &OpenModes {
         self.response.open_modes()
     }
+}
+
+/// The gaps before static loads.
+fn drawn_gaps(parts: &Reduced) -> Vec<f64> {
+    let toward = |contact| parts.state.as_ref().map_or(0.0, |state| state.toward(contact));
+    parts.open.gaps().iter().enumerate().map(|(contact, gap)| gap + toward(contact)).collect()
 }
 
 /// Contacts with dampers: number, table of the scene, damper in N s/m. A table of nodes from files is many contacts.
@@ -195,9 +211,10 @@ fn check_mode(file: &SceneFile, response: &ResponseModel) -> Result<(), RunError
         Some(contact) => HbmError::TouchesAtRest { contact, gap: 0.0 },
         // Curves over frequency and level need no linear mode that meets a stop.
         None if file.scene.responses.iter().all(is_over) => return Ok(()),
-        None => match modal_grazing(response.structure(), file.scene.method.mode) {
+        None => match response.linear_start(file.scene.method.mode) {
             Ok(_) => return Ok(()),
-            Err(error) => error,
+            Err(ResponseError::Problem(error)) => error,
+            Err(error) => return Err(file.error_at("contact", &chain(&error), "here", &[]).into()),
         },
     };
     let key = match &error {

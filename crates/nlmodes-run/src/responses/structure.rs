@@ -1,14 +1,15 @@
 //! Structure in free-interface modes from a scene, and positions on it.
 
-use nlmodes::fem::FemError;
 use nlmodes::linalg::{multiply, triplets};
 use nlmodes::modal::Coordinate;
-use nlmodes::model::{Dof, DofKind, MassShift, MasslessContactModel, StructuralModel};
+use nlmodes::model::{Dof, MassShift, MasslessContactModel, StructuralModel};
 use nlmodes::response::{BaseMotion, BaseUnit, Weights};
 use nlmodes_reduction::{ModeCount, OpenModes, ReductionError};
 use nlmodes_scene::SceneFile;
-use nlmodes_scene::assemble::{Assembly, Elements, OpenStructure, Structures, element_model, redistribution};
-use nlmodes_scene::scene::{BaseDirection, Direction, Place, Scene, StopOfBase, Structure, StructureKind, Support};
+use nlmodes_scene::assemble::{
+    Assembly, Body, Elements, OpenStructure, StaticState, Structures, element_model, node_weights, redistribution,
+};
+use nlmodes_scene::scene::{BaseDirection, Place, Scene, StopOfBase, Structure};
 
 use crate::physical::recorded;
 use crate::{RunError, chain, mass, refusal};
@@ -27,25 +28,19 @@ pub struct Reduced {
     pub warning: Option<String>,
     /// The reduction, if the scene or its structure requires free-interface modes.
     pub reduction: Option<OpenStructure>,
+    /// What static loads and stops that press do to it.
+    pub state: Option<StaticState>,
     source: Source,
 }
 
 /// What the structure was made from.
 enum Source {
     /// Elements along an axis; the structure without the mass of its contact nodes, where that is left out or moved.
-    Straight { elements: Elements, model: Box<StructuralModel>, massless: Option<Box<MasslessContactModel>> },
+    Straight { body: Box<Body>, massless: Option<Box<MasslessContactModel>> },
     /// Degrees of freedom of files.
     Files(Vec<Dof>),
     /// Several rods and beams, with consecutive degrees of freedom.
     Several(Vec<Body>),
-}
-
-/// A rod or beam of several.
-struct Body {
-    elements: Elements,
-    model: StructuralModel,
-    /// Number of degrees of freedom of those before.
-    first: usize,
 }
 
 /// Modes: up to this many times the highest harmonic of the mode, but within these numbers; what they leave over
@@ -60,7 +55,7 @@ const MOST: usize = 40;
 /// [`RunError`] at the key that it is about.
 pub fn reduced(file: &SceneFile, structures: &Structures) -> Result<Reduced, RunError> {
     let scene = &file.scene;
-    let Assembly { model, open: reduction } =
+    let Assembly { model, open: reduction, state } =
         Assembly::sharing(scene, structures).map_err(|error| refusal::at(file, &error.path(), &error))?;
     let Some(straight) = scene.structure.straight() else {
         let Some(reduction) = reduction else {
@@ -69,7 +64,7 @@ pub fn reduced(file: &SceneFile, structures: &Structures) -> Result<Reduced, Run
             return Err(error.into());
         };
         let (recorded, mut coordinates) = recorded(&reduction.dofs, &reduction.modes);
-        let bodies = bodies(scene.structure.bodies()).map_err(|error| refusal::at(file, "structure", &error))?;
+        let bodies = Body::all(scene.structure.bodies()).map_err(|error| refusal::at(file, "structure", &error))?;
         for (dof, coordinate) in recorded.iter().zip(&mut coordinates).filter(|_| !bodies.is_empty()) {
             let number = bodies.partition_point(|body| body.first <= *dof);
             coordinate.kind = format!("{}-{number}", coordinate.kind);
@@ -83,7 +78,7 @@ pub fn reduced(file: &SceneFile, structures: &Structures) -> Result<Reduced, Run
         // The full structure of the modes.
         let model = element_model(straight, &scene.contacts).map_err(|error| refusal::at(file, "structure", &error))?;
         let written = recorded(model.dofs(), &reduction.modes);
-        let source = Source::Straight { elements, model: Box::new(model), massless: None };
+        let source = Source::Straight { body: Box::new(Body { elements, model, first: 0 }), massless: None };
         return Ok(Reduced::in_open_modes(reduction, written, source));
     }
     let massless = redistribution(scene)
@@ -94,21 +89,9 @@ pub fn reduced(file: &SceneFile, structures: &Structures) -> Result<Reduced, Run
     let (recorded, coordinates) = recorded(model.dofs(), &open);
     let shift = mass::shift_of(file)?;
     let warning = shift.and_then(|shift| mass::warning_about(scene, &shift));
-    let source = Source::Straight { elements, model: Box::new(model), massless: massless.map(Box::new) };
-    Ok(Reduced { open, recorded, coordinates, shift, warning, reduction: None, source })
-}
-
-/// The structures of a scene of several.
-fn bodies(structures: &[Structure]) -> Result<Vec<Body>, FemError> {
-    let (mut bodies, mut first) = (Vec::new(), 0);
-    for structure in structures {
-        let elements = Elements::new(structure)?;
-        let model = elements.assemble(&[])?;
-        let n = model.dofs().len();
-        bodies.push(Body { elements, model, first });
-        first += n;
-    }
-    Ok(bodies)
+    let body = Box::new(Body { elements, model, first: 0 });
+    let source = Source::Straight { body, massless: massless.map(Box::new) };
+    Ok(Reduced { open, recorded, coordinates, shift, warning, reduction: None, state, source })
 }
 
 /// Missing in the files of a structure with base motion: the mass between free nodes and those that were fixed before
@@ -162,9 +145,9 @@ impl Reduced {
         (recorded, coordinates): (Vec<usize>, Vec<Coordinate>),
         source: Source,
     ) -> Self {
-        let open = reduction.modes.clone();
+        let (open, state) = (reduction.modes.clone(), reduction.state.clone());
         let (reduction, warning) = (Some(reduction), None);
-        Self { open, recorded, coordinates, shift: None, warning, reduction, source }
+        Self { open, recorded, coordinates, shift: None, warning, reduction, state, source }
     }
 
     /// The displacement at a position, as degrees of freedom with weights; none if the structure is fixed there.
@@ -173,16 +156,14 @@ impl Reduced {
     /// What is wrong with the place, in words.
     pub fn weights(&self, place: &Place) -> Result<Weights, String> {
         match (&self.source, place) {
-            (Source::Straight { elements, model, .. }, Place::Along { at, direction, .. }) => {
-                along(elements, model, *at, *direction).map_err(|error| chain(&error))
+            (Source::Straight { body, .. }, Place::Along { at, direction, .. }) => {
+                body.weights(*at, *direction).map_err(|error| chain(&error))
             }
             (Source::Several(bodies), Place::Along { at, direction, structure }) => {
-                let Body { elements, model, first } =
-                    bodies.get(*structure).ok_or_else(|| format!("there is no structure {}", structure + 1))?;
-                let weights = along(elements, model, *at, *direction).map_err(|error| chain(&error))?;
-                Ok(weights.into_iter().map(|(dof, w)| (first + dof, w)).collect())
+                let body = bodies.get(*structure).ok_or_else(|| format!("there is no structure {}", structure + 1))?;
+                body.weights(*at, *direction).map_err(|error| chain(&error))
             }
-            (Source::Files(dofs), Place::Node { node, direction }) => of_node(dofs, *node, *direction),
+            (Source::Files(dofs), Place::Node { node, direction }) => node_weights(dofs, *node, *direction),
             (Source::Straight { .. } | Source::Several(_), Place::Node { node, .. }) => {
                 Err(format!("node {node} is one of a structure from files"))
             }
@@ -204,36 +185,6 @@ impl Reduced {
     }
 }
 
-/// The motion of a node in a direction.
-fn of_node(dofs: &[Dof], node: u64, direction: [f64; 3]) -> Result<Weights, String> {
-    if !dofs.iter().any(|dof| dof.node as u64 == node) {
-        return Err(format!("the structure has no node {node}"));
-    }
-    let find = |kind: DofKind| dofs.iter().position(|dof| dof.node as u64 == node && dof.kind == kind);
-    let along = [DofKind::X, DofKind::Y, DofKind::Z].into_iter().zip(direction).filter(|(_, w)| *w != 0.0);
-    Ok(along.filter_map(|(kind, w)| Some((find(kind)?, w))).collect())
-}
-
-/// The motion at a position of a rod or beam, along or across its axis.
-fn along(elements: &Elements, model: &StructuralModel, at: f64, direction: Direction) -> Result<Weights, FemError> {
-    let is_own = (elements.kind() == StructureKind::Rod) == (direction == Direction::Axial);
-    if is_own { elements.displacement_at(model, at) } else { axial_of_a_beam(elements, model, at) }
-}
-
-/// Along the axis of a beam: linear between the nodes.
-fn axial_of_a_beam(elements: &Elements, model: &StructuralModel, at: f64) -> Result<Weights, FemError> {
-    let (mesh, dofs) = (elements.mesh(), model.dofs());
-    let nodes = mesh.nodes();
-    if !(0.0..=mesh.length() * (1.0 + 1e-9)).contains(&at) {
-        return Err(FemError::OutsideMesh { asked: at, length: mesh.length() });
-    }
-    let after = nodes.partition_point(|x| *x <= at).clamp(1, mesh.elements());
-    let share = ((at - nodes[after - 1]) / (nodes[after] - nodes[after - 1])).clamp(0.0, 1.0);
-    let find = |node: usize| dofs.iter().position(|dof| dof.node == node && dof.kind == DofKind::Axial);
-    let both = [(after - 1, 1.0 - share), (after, share)];
-    Ok(both.into_iter().filter(|(_, w)| *w != 0.0).filter_map(|(node, w)| Some((find(node)?, w))).collect())
-}
-
 /// The motion of the base of a scene, with the mass that couples supported nodes to free ones.
 ///
 /// # Errors
@@ -251,27 +202,21 @@ pub fn base_motion(scene: &Scene, parts: &Reduced) -> Result<BaseMotion, String>
             return Ok(BaseMotion { inertia, rigid, unit, stop_is_fixed });
         }
     };
-    let shaking = |structure: &Structure, model: &StructuralModel| -> Result<BaseMotion, String> {
-        let loose = Structure { start: Support::Free, end: Support::Free, modes: None, ..structure.clone() };
-        let free = Elements::new(&loose).and_then(|elements| elements.assemble(&[])).map_err(|error| chain(&error))?;
-        let moving = match (structure.kind(), direction) {
-            (StructureKind::Beam, Direction::Transverse) => DofKind::Deflection,
-            _ => DofKind::Axial,
-        };
-        BaseMotion::of_supports(model, &free, moving, &[], unit, stop_is_fixed)
-            .ok_or_else(|| "the nodes of the structure are not those of its elements".to_owned())
+    let shaking = |structure: &Structure, body: &Body| -> Result<BaseMotion, String> {
+        let motion = body.on_base(structure, direction, unit, stop_is_fixed).map_err(|error| chain(&error))?;
+        motion.ok_or_else(|| "the nodes of the structure are not those of its elements".to_owned())
     };
     let (mut motion, model, massless) = match (&parts.source, scene.structure.bodies()) {
         (Source::Several(bodies), structures) => {
             let mut whole = BaseMotion { inertia: Vec::new(), rigid: Vec::new(), unit, stop_is_fixed };
             for (body, structure) in bodies.iter().zip(structures) {
-                let own = shaking(structure, &body.model)?;
+                let own = shaking(structure, body)?;
                 whole.inertia.extend(own.inertia);
                 whole.rigid.extend(own.rigid);
             }
             return Ok(whole);
         }
-        (Source::Straight { model, massless, .. }, [structure]) => (shaking(structure, model)?, model, massless),
+        (Source::Straight { body, massless }, [structure]) => (shaking(structure, body)?, &body.model, massless),
         _ => return Err("a structure from files has no axis".to_owned()),
     };
     let Some(massless) = massless else { return Ok(motion) };

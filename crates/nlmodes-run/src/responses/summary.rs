@@ -14,7 +14,7 @@ use super::tables::points;
 use crate::Failure;
 use crate::certificate::Certificate;
 use crate::curve::space::Period;
-use crate::curve::summary::{At, ContactAt, End, Reduction, Resonance, Stability, largest_residual};
+use crate::curve::summary::{At, AtRest, ContactAt, End, Reduction, Resonance, Stability, largest_residual};
 
 /// Writes it.
 pub fn write(
@@ -45,6 +45,7 @@ pub fn write(
         "open_damping_ratios": (0..hertz.len()).map(ratio).collect::<Vec<f64>>(),
         "reduction": open.map(|open| Reduction::new(scene, open, 0)),
         "contacts": ContactAt::all(open),
+        "rest": AtRest::all(model.state.as_ref()),
         "motion": motion,
         "level_unit": model.unit,
         "points": first,

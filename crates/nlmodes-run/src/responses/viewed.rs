@@ -15,6 +15,7 @@ use super::curves::ComputedResponse;
 use super::model::Model;
 use crate::Failure;
 use crate::curve::{Curve, Frames};
+use crate::physical::count_history_from_drawing;
 
 /// A curve of motions of the model of a scene.
 pub struct Viewed<'a> {
@@ -60,8 +61,10 @@ impl Viewed<'_> {
     ) -> Result<Vec<TimeHistory>, Failure> {
         let (pattern, omega) = self.pattern(point)?;
         let stretches = pattern.stretches();
+        // Stops where static loads have them; they are counted from the drawing at the end.
+        let gaps = self.model.open_modes().gaps();
         let empty = |(side, gap): (&f64, &f64)| TimeHistory::empty(label, side * gap);
-        let mut all: Vec<TimeHistory> = sides.iter().zip(&self.model.gaps).map(empty).collect();
+        let mut all: Vec<TimeHistory> = sides.iter().zip(gaps).map(empty).collect();
         let mut last = f64::NEG_INFINITY;
         for (tau, stretch) in phases(&stretches) {
             last = (tau / omega).max(f64::next_up(last));
@@ -76,6 +79,9 @@ impl Viewed<'_> {
             for (pair, ends) in middles.windows(2).zip(&stretches).filter(|(pair, _)| pair[0][i] != pair[1][i]) {
                 history.instants.push(ContactInstant { time: ends[1] / omega, touching: pair[1][i] });
             }
+        }
+        for (contact, (history, side)) in all.iter_mut().zip(sides).enumerate() {
+            count_history_from_drawing(self.model.state.as_ref(), contact, *side, history);
         }
         Ok(all)
     }

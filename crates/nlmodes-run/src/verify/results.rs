@@ -14,7 +14,7 @@ use crate::chain;
 use crate::files::STARTS;
 use crate::lcp::Archive;
 use crate::physical;
-use nlmodes_scene::assemble::{Assembly, OpenStructure, contact_model};
+use nlmodes_scene::assemble::{Assembly, OpenStructure, StaticState, contact_model};
 use nlmodes_scene::scene::{MethodKind, Scene, Structure, Symmetry};
 
 const SUMMARY: &str = "summary.json";
@@ -81,8 +81,9 @@ impl Point {
         if found > MAX_DOFS {
             return Err(TimestepError::TooLarge { found, most: MAX_DOFS }.into());
         }
-        let (model, open) = model(&scene)?;
-        let dofs = open.as_ref().map_or(model.dofs(), |open| &open.dofs);
+        let (model, open, state) = model(&scene)?;
+        let displaced = open.as_ref().filter(|_| scene.structure.straight().is_some());
+        let dofs = displaced.map_or(model.dofs(), |open| &open.dofs);
         let (omega, mut coefficients) = read_point(&path, number, dofs)?;
         if scene.method.accuracy.is_none() && coefficients.n_harmonics() != scene.method.harmonics {
             let (found, expected) = (coefficients.n_harmonics().to_string(), scene.method.harmonics.to_string());
@@ -92,7 +93,13 @@ impl Point {
             MethodKind::Shooting => read_start(&directory.join(STARTS), number, dofs.len())?,
             MethodKind::MsHbm | MethodKind::Hbm => None,
         };
-        if let Some(open) = &open {
+        // Files count displacements from the drawing, the equations from the place under static loads.
+        if let Some(state) = &state {
+            let moved = physical::written_displacement(&scene, open.as_ref(), state);
+            moved.iter().enumerate().for_each(|(d, by)| coefficients.of_mut(d)[0] -= by);
+            start.iter_mut().for_each(|start| start.iter_mut().zip(&moved).for_each(|(q, by)| *q -= by));
+        }
+        if let Some(open) = displaced {
             coefficients = physical::reduced(open, &coefficients);
             start = start.map(|start| physical::reduced_state(open, &start));
         }
@@ -139,13 +146,12 @@ fn read_summary(directory: &Path) -> Result<Summary, VerifyError> {
     serde_json::from_str(&text).map_err(|source| VerifyError::NotASummary { path, source })
 }
 
-/// The model that the method works on, and the free-interface modes in which it is, where the files have displacements
-/// of the structure instead.
-fn model(scene: &Scene) -> Result<(MasslessContactModel, Option<OpenStructure>), VerifyError> {
-    let Assembly { model, open } =
+/// The model that the method works on, the free-interface modes in which it is, if it is, and its static state.
+fn model(scene: &Scene) -> Result<(MasslessContactModel, Option<OpenStructure>, Option<StaticState>), VerifyError> {
+    let Assembly { model, open, state } =
         Assembly::of(scene).map_err(|error| VerifyError::Structure { reason: chain(&error) })?;
     let model = contact_model(scene, &model).map_err(|error| VerifyError::Structure { reason: chain(&error) })?;
-    Ok((model, open.filter(|_| scene.structure.straight().is_some())))
+    Ok((model, open, state))
 }
 
 /// Displacements at the beginning of one point; `None` without the file, the motion then starts from its coefficients.

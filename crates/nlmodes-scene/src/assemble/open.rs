@@ -3,11 +3,12 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+use nlmodes::linalg::Mat;
 use nlmodes::model::{Contact, Dof, DofKind, StructuralModel};
 use nlmodes_io::{Component, FeModel, NodeContact, find_contacts};
 use nlmodes_reduction::{ModeCount, OpenModes, ReducedStructure, ReductionError};
 
-use super::{Strainless, StructureError, Structures};
+use super::{StaticState, Strainless, StructureError, Structures, static_loads};
 use crate::scene::{Matrices, ReductionKind, Scene, SceneStructure};
 
 /// Open modes reach so many times as far as the highest harmonic, where the scene does not say how far.
@@ -33,6 +34,8 @@ pub struct OpenStructure {
     pub files: Option<(Arc<FeModel>, Vec<NodeContact>)>,
     /// Motions of a structure from files that strain nothing.
     pub strainless: Strainless,
+    /// What static loads and stops that press do to it: the gaps of `modes` and `reduced` are those that they leave.
+    pub state: Option<StaticState>,
 }
 
 impl OpenStructure {
@@ -60,14 +63,9 @@ impl OpenStructure {
         let reduced = |modes: &OpenModes| ReducedStructure::along_axes(modes, &contacts, model.dofs());
         // The elements stand for a continuum: what a mode less leaves to statics is an error like that of the mesh.
         let (modes, reduced) = pressed(scene, modes, (scene.method.mode, &damped), reduced)?;
-        Ok(Self {
-            modes,
-            reduced,
-            dofs: model.dofs().to_vec(),
-            contacts,
-            files: None,
-            strainless: Strainless::default(),
-        })
+        let dofs = model.dofs().to_vec();
+        let strainless = Strainless::default();
+        Self { modes, reduced, dofs, contacts, files: None, strainless, state: None }.under_loads(scene)
     }
 
     fn of_files(scene: &Scene, matrices: &Matrices, structures: &Structures) -> Result<Self, StructureError> {
@@ -81,7 +79,28 @@ impl OpenStructure {
         let reduced = |modes: &OpenModes| ReducedStructure::new(modes, &contacts);
         let (modes, reduced) = pressed(scene, modes, (scene.method.mode + 1, &damped), reduced)?;
         let dofs = dofs(&model);
-        Ok(Self { modes, reduced, dofs, contacts, files: Some((model, found)), strainless })
+        Self { modes, reduced, dofs, contacts, files: Some((model, found)), strainless, state: None }.under_loads(scene)
+    }
+
+    /// The same with the gaps that static loads leave.
+    fn under_loads(mut self, scene: &Scene) -> Result<Self, StructureError> {
+        let files = self.files.as_ref().map(|(model, _)| model.as_ref());
+        self.state = static_loads::of_open(scene, &self.modes, files)?;
+        if let Some(state) = &self.state {
+            self.modes = self.modes.with_stops(state.free_gaps.clone(), self.modes.stop_compliance().to_vec())?;
+            self.reduced = self.reduced.with_gaps(self.modes.gaps())?;
+        }
+        Ok(self)
+    }
+
+    /// Displacements of these degrees of freedom under the static loads beyond those of the modes, m:
+    /// `q − Φ Φᵀ M q`.
+    pub fn beyond_modes(&self, state: &StaticState, dofs: &[usize]) -> Vec<f64> {
+        let q = Mat::from_fn(state.displacement.len(), 1, |i, _| state.displacement[i]);
+        let eta = self.reduced.coordinates(&self.modes, &q);
+        let shape = |dof: usize, r: usize| self.modes.shapes()[(dof, r)] * eta[(r, 0)];
+        let modal = |dof: usize| (0..self.modes.n_modes()).map(|r| shape(dof, r)).sum::<f64>();
+        dofs.iter().map(|&dof| state.displacement[dof] - modal(dof)).collect()
     }
 
     /// Largest frequency of the retained modes, Hz.

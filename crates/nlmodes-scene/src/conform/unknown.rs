@@ -18,11 +18,9 @@ pub enum Guess {
 }
 
 /// Features that the program does not have, by the words used for them in keys and values.
-const ABSENT: [(&str, &[&str]); 6] = [
+const ABSENT: [(&str, &[&str]); 4] = [
     ("friction", &["friction", "coulomb", "mu", "stick", "slip"]),
-    ("gravity", &["gravity", "gravitation", "weight"]),
     ("an annular stop", &["annular", "annulus", "circular", "ring"]),
-    ("temperature", &["temperature", "temperatures", "thermal"]),
     ("a restitution coefficient", &["restitution"]),
     ("a nonlinear material", &["plastic", "plasticity", "hyperelastic", "yield"]),
 ];
@@ -122,12 +120,13 @@ pub fn diagnostic(key: &str, path: &str, table: Rule<'_>, guess: &Guess) -> Diag
 }
 
 /// Tables that may occur several times.
-const LISTS: [&str; 9] = [
+const LISTS: [&str; 10] = [
     "contact",
     "channel",
     "vary",
     "quantity",
     "force",
+    "static_force",
     "damping.dashpot",
     "structure.mass_point",
     "structure.spring",

@@ -61,7 +61,7 @@ fn damping(damping: &Damping, several: bool) -> String {
     of_modes(&damping.modes) + &damping.dashpots.iter().map(one).collect::<String>()
 }
 
-fn place(place: &Place, several: bool) -> String {
+pub(super) fn place(place: &Place, several: bool) -> String {
     match place {
         Place::Along { at, direction, structure } => {
             let of = if several { format!(" of structure {}", structure + 1) } else { String::new() };

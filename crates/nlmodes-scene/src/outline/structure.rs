@@ -1,7 +1,7 @@
 //! What the scene of a structure would compute.
 
-use super::{Row, law, list, matrices, responses, row};
-use crate::assemble::OpenStructure;
+use super::{Row, law, list, matrices, responses, row, static_loads};
+use crate::assemble::{OpenStructure, StaticState};
 use crate::number;
 use crate::rule::counted;
 use crate::scene::{
@@ -10,7 +10,7 @@ use crate::scene::{
 };
 
 /// Structure, stops, method, branch or responses.
-pub fn rows(scene: &Scene, open: Option<&OpenStructure>) -> Vec<Row> {
+pub fn rows(scene: &Scene, open: Option<&OpenStructure>, state: Option<&StaticState>) -> Vec<Row> {
     let mut rows = Vec::new();
     let bodies = scene.structure.bodies();
     for (i, body) in bodies.iter().enumerate() {
@@ -22,6 +22,7 @@ pub fn rows(scene: &Scene, open: Option<&OpenStructure>) -> Vec<Row> {
     for (i, contact) in scene.contacts.iter().enumerate() {
         rows.push(row(format!("contact {i}"), stop(contact, bodies.len() > 1)));
     }
+    rows.extend(static_loads::rows(scene, state));
     rows.extend(scene.updating.as_ref().map(|updating| row("updating", fitted(updating))));
     rows.extend(open.map(|open| matrices::reduction(scene, open)));
     rows.push(row("method", method(scene)));

@@ -121,7 +121,7 @@ fn numbers_or_names(_: &mut SchemaGenerator) -> Schema {
     })
 }
 
-fn name_or_numbers(_: &mut SchemaGenerator) -> Schema {
+pub(super) fn name_or_numbers(_: &mut SchemaGenerator) -> Schema {
     json_schema!({
         "type": ["string", "array"],
         "minLength": 1,

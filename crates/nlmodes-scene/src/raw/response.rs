@@ -50,7 +50,7 @@ pub enum RawDirection {
 }
 
 /// `"axial"`, `"transverse"` or three numbers.
-fn word_or_vector(_: &mut SchemaGenerator) -> Schema {
+pub(super) fn word_or_vector(_: &mut SchemaGenerator) -> Schema {
     json_schema!({
         "type": ["string", "array"],
         "enum_of_text": ["axial", "transverse"],

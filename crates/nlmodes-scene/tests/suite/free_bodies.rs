@@ -149,7 +149,7 @@ fn what_digits_leave_open_of_a_held_beam_is_said_or_refused() -> Outcome {
         let (share, hz) = (open.modes.left_open(1).ok_or("known")?, open.modes.omega_squared()[0].sqrt() / TAU);
         assert!((1e-4..0.1).contains(&share), "{digits:?} {n}: {share}");
         squares.push(((hz / exact(1.875_104_069) - 1.0) / share).powi(2));
-        let outline = Outline::of_structure(&scene, Some(&open), false).to_string();
+        let outline = Outline::of_structure(&scene, (Some(&open), None), false).to_string();
         assert!(outline.contains(", which leaves mode 1 open by ±"), "{outline}");
         assert_eq!(doubts::of(&scene, &open).iter().any(|text| text.contains("open by ±")), share > 1e-3);
     }

@@ -1,0 +1,226 @@
+//! Gravity, constant forces and heat from the command line.
+
+use std::error::Error;
+use std::fs;
+use std::path::Path;
+
+use assert_cmd::Command;
+use tempfile::{TempDir, tempdir};
+
+type Outcome = Result<(), Box<dyn Error>>;
+
+/// A cantilever of 1 m above a rigid ledge at its tip.
+const LEDGE: &str = "[structure]\nkind = \"beam\"\nlength_m = 1.0\nelements = 10\nstart = \"clamped\"\n\
+    material = { youngs_modulus_pa = 2.1e11, density_kg_m3 = 7800.0, poissons_ratio = 0.3 }\n\
+    section = { area_m2 = 2.4e-4, second_moment_m4 = 8e-9, shear_factor = 0.8333333333333334 }\n\
+    [[contact]]\nat_m = 1.0\ndirection = \"transverse\"\nside = \"negative\"\ngap_m = 0.0\n\
+    [method]\nharmonics = 1\nmass_redistribution = \"drop\"\n[continuation]\nmax_energy_ratio = 5.0\n";
+
+const WEIGHT: &str = "[gravity]\nacceleration_m_s2 = 9.81\ndirection = \"transverse\"\nside = \"negative\"\n";
+
+/// `w L⁴/(8 E I) + w L²/(2 κ G A)`, m, of the weight `w` per length; exact at the nodes of Timoshenko elements.
+const SAG: f64 = {
+    let weight = 7800.0 * 2.4e-4 * 9.81;
+    weight / (8.0 * 2.1e11 * 8e-9) + weight / (2.0 * 0.8333333333333334 * 2.1e11 / 2.6 * 2.4e-4)
+};
+
+/// A rod of 1 m before a stop at its end.
+const ROD: &str = "[structure]\nkind = \"rod\"\nlength_m = 1.0\nelements = 10\nstart = \"clamped\"\n\
+    material = { youngs_modulus_pa = 2.1e11, density_kg_m3 = 7800.0 }\nsection = { area_m2 = 1e-4 }\n\
+    [[contact]]\nat_m = 1.0\ndirection = \"axial\"\nside = \"positive\"\ngap_m = 0.4e-3\n\
+    [method]\nharmonics = 3\n[continuation]\nmax_energy_ratio = 1.5\n";
+
+fn scene(folder: &TempDir, text: &str) -> Result<std::path::PathBuf, Box<dyn Error>> {
+    let path = folder.path().join("scene.toml");
+    fs::write(&path, text)?;
+    Ok(path)
+}
+
+fn call(command: &str, scene: &Path, more: &[&str]) -> Result<(Option<i32>, String), Box<dyn Error>> {
+    let mut call = Command::cargo_bin("nlmodes-cli")?;
+    let folder = scene.parent().ok_or("no folder")?;
+    let output = call.arg(command).arg(scene).args(more).current_dir(folder).output()?;
+    let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    Ok((output.status.code(), text))
+}
+
+fn run(text: &str, set: &[&str]) -> Result<(TempDir, serde_json::Value), Box<dyn Error>> {
+    let folder = tempdir()?;
+    let path = scene(&folder, text)?;
+    let mut more = vec!["--quiet", "--out", "out"];
+    set.iter().for_each(|value| more.extend(["--set", value]));
+    let (code, said) = call("run", &path, &more)?;
+    assert_eq!(code, Some(0), "{said}");
+    let summary = serde_json::from_str(&fs::read_to_string(folder.path().join("out/summary.json"))?)?;
+    Ok((folder, summary))
+}
+
+fn rows(folder: &TempDir) -> Result<Vec<Vec<f64>>, Box<dyn Error>> {
+    let mut reader = csv::Reader::from_path(folder.path().join("out/branch.csv"))?;
+    let parsed = |row: csv::StringRecord| row.iter().map(|cell| cell.parse().unwrap_or(f64::NAN)).collect();
+    reader.records().map(|row| row.map(parsed).map_err(Into::into)).collect()
+}
+
+fn number(value: &serde_json::Value) -> f64 {
+    value.as_f64().unwrap_or(f64::NAN)
+}
+
+/// Force, frequency, energy of lift-off and the end of the branch were computed elsewhere, from the matrices of ten
+/// Timoshenko elements.
+#[test]
+fn a_heavy_cantilever_lies_on_its_ledge() -> Outcome {
+    let (folder, summary) = run(&format!("{LEDGE}{WEIGHT}"), &[])?;
+    let (rest, grazing) = (&summary["rest"][0], &summary["grazing"]);
+    assert!((number(&rest["free_gap_m"]) / -SAG - 1.0).abs() < 1e-9, "{rest}");
+    assert!((number(&rest["force_n"]) / 6.887_335_985_09 - 1.0).abs() < 1e-9, "{rest}");
+    assert_eq!((rest["closed"].as_bool(), rest["clearance_m"].as_f64()), (Some(true), Some(0.0)));
+    assert!((number(&grazing["frequency_hz"]) / 73.395_632_377_7 - 1.0).abs() < 1e-9, "{grazing}");
+    assert!((number(&grazing["energy_j"]) / 2.551_653_349_35e-4 - 1.0).abs() < 1e-9, "{grazing}");
+    let rows = rows(&folder)?;
+    let last = rows.last().ok_or("no points")?;
+    assert!((last[1] / 63.894_765 - 1.0).abs() < 1e-7, "{last:?}");
+    // Displacements count from the drawing, where the tip just touches, and energies from rest.
+    assert!(rows.iter().all(|row| row[6].abs() < 1e-12), "{rows:?}");
+    let first = &rows[0];
+    assert!((first[3] / (2.0 * first[2]) - 1.0).abs() < 1e-6, "{first:?}");
+    let (_, said) = call("check", &folder.path().join("scene.toml"), &[])?;
+    assert!(said.contains("gap -0.00136696 m under the loads with open stops; closed, 6.88734 N"), "{said}");
+    Ok(())
+}
+
+/// The motion is that of the structure with the gap that the load leaves, and `verify` finds it in the files.
+#[test]
+fn loads_are_gaps() -> Outcome {
+    let hung = LEDGE.replace("gap_m = 0.0", "gap_m = 3e-3");
+    let (loaded, _) = run(&format!("{hung}{WEIGHT}"), &[])?;
+    let left = 3e-3 - SAG;
+    let (by_hand, _) = run(&hung, &[&format!("contact.0.gap_m={left:e}")])?;
+    let (a, b) = (rows(&loaded)?, rows(&by_hand)?);
+    assert_eq!(a.len(), b.len());
+    for (a, b) in a.iter().zip(&b) {
+        assert!((a[1] / b[1] - 1.0).abs() < 1e-8 && (a[3] / b[3] - 1.0).abs() < 1e-7, "{a:?} {b:?}");
+        assert!((a[6] - b[6] - (3e-3 - left)).abs() < 1e-10, "{a:?} {b:?}");
+    }
+    let points = [(&loaded, a.len() - 1), (&by_hand, b.len() - 1)];
+    let verified = points.map(|(folder, point)| {
+        call("verify", &folder.path().join("scene.toml").with_file_name("out"), &["--point", &point.to_string()])
+    });
+    let [a, b] = verified.map(|found| found.map(|(_, said)| said).unwrap_or_default());
+    let digits = |said: &str| said.split("gap").next().unwrap_or_default().to_owned();
+    assert!(!a.is_empty() && digits(&a).len() == digits(&b).len(), "{a}\n{b}");
+    Ok(())
+}
+
+/// `F = E A (α ΔT − g/L)`; a push by the same force closes the gap just as far; in free-interface modes and in those of
+/// the paper.
+#[test]
+fn a_rod_that_grows_into_its_stop_is_pressed() -> Outcome {
+    let thermal = format!("{ROD}[thermal]\nexpansion_1_k = 1.2e-5\ntemperature_k = 50.0\n");
+    let pushed = format!("{ROD}[[static_force]]\nat_m = 1.0\nforce_kn = 12.6\n");
+    for (text, set) in [
+        (&thermal, &["method.mode=1"][..]),
+        (&thermal, &["method.mass_redistribution=\"drop\""]),
+        (&pushed, &["method.mode=1"]),
+    ] {
+        let (folder, summary) = run(text, set)?;
+        let rest = &summary["rest"][0];
+        assert!((number(&rest["force_n"]) / 4200.0 - 1.0).abs() < 1e-9, "{rest}");
+        assert!((number(&rest["free_gap_m"]) / -0.2e-3 - 1.0).abs() < 1e-9, "{rest}");
+        // At rest and at the first point the end stands at its stop, 0.4 mm beyond the drawing.
+        assert!((rows(&folder)?[0][6] / 0.4e-3 - 1.0).abs() < 1e-6);
+    }
+    Ok(())
+}
+
+/// A load in a direction in which no contact moves changes nothing.
+#[test]
+fn a_load_that_moves_no_contact_changes_no_motion() -> Outcome {
+    let hung = LEDGE.replace("gap_m = 0.0", "gap_m = 1e-3");
+    let (plain, _) = run(&hung, &[])?;
+    let (loaded, _) = run(&format!("{hung}[gravity]\ndirection = \"axial\"\n"), &[])?;
+    for (a, b) in rows(&plain)?.iter().zip(&rows(&loaded)?) {
+        assert!((1..11).all(|k| (a[k] - b[k]).abs() <= 1e-12 * a[k].abs().max(1e-12)), "{a:?} {b:?}");
+    }
+    Ok(())
+}
+
+/// A force response about a structure that hangs closer to its stop: amplitudes count from the drawing, the powers
+/// balance.
+#[test]
+fn responses_take_static_loads() -> Outcome {
+    let text = LEDGE.replace("gap_m = 0.0", "gap_m = 2e-3").replace("mass_redistribution = \"drop\"\n", "")
+        + WEIGHT
+        + "[damping]\nratio = 0.02\n[[force]]\nat_m = 0.5\namplitude_n = 1.0\n\
+           [response]\nkind = \"frequency\"\nfrequency_hz = [10.0, 30.0]\n[output]\nstability = \"never\"\n";
+    let (folder, summary) = run(&text, &[])?;
+    let rest = &summary["rest"][0];
+    assert!((number(&rest["free_gap_m"]) / (2e-3 - SAG) - 1.0).abs() < 1e-9, "{rest}");
+    let rows = rows(&folder)?;
+    assert!(rows.iter().all(|row| row[6] > 1.366e-3 && row[6] < 2e-3 + 1e-9), "{rows:?}");
+    assert!(rows.iter().any(|row| (row[6] - 2e-3).abs() < 1e-9));
+    Ok(())
+}
+
+/// About a rest on the ledge: the conservative mode as a response has the end of that as a branch, which is computed in
+/// another way; phase resonance begins at the linear mode of the closed ledge, lags by a quarter of a turn with powers
+/// in balance, and lies on the response at its level; the damped mode begins where the conservative one does.
+#[test]
+fn modes_phase_resonance_and_responses_begin_at_closed_stops() -> Outcome {
+    let text = LEDGE.replace("mass_redistribution = \"drop\"\n", "").replace("harmonics = 1", "harmonics = 5")
+        + WEIGHT
+        + "[output]\nstability = \"never\"\n";
+    let set = ["continuation.max_energy_ratio=1.5"];
+    let (conservative, _) = run(&text, &set)?;
+    let conservative = rows(&conservative)?;
+    let damped = "[damping]\nratio = 0.01\n[[force]]\nat_m = 0.5\n";
+    let response = |text: &str| run(&format!("{text}{damped}"), &set);
+    let (mode, _) = response(&format!("{text}[[response]]\nkind = \"mode\"\n[[response]]\nkind = \"damped-mode\"\n"))?;
+    let all = rows(&mode)?;
+    let curve = 21;
+    let of = |number: f64| all.iter().filter(|row| row[curve] == number).collect::<Vec<_>>();
+    let (modes, damped_mode) = (of(0.0), of(1.0));
+    let ends = [conservative.last(), modes.last().copied()].map(|row| row.map_or(f64::NAN, |row| row[1]));
+    assert!((ends[0] / ends[1] - 1.0).abs() < 1e-8, "{ends:?}");
+    let starts = [conservative.first(), damped_mode.first().copied()].map(|row| row.map_or(f64::NAN, |row| row[2]));
+    assert!((starts[0] / starts[1] - 1.0).abs() < 1e-6, "{starts:?}");
+    let (forced, _) = response(&format!(
+        "{text}[[response]]\nkind = \"phase-resonance\"\nlevels_n = [0.1, 0.3]\n\
+         [[response]]\nkind = \"frequency\"\nfrequency_hz = [60.0, 78.0]\nlevels_n = [0.1]\n"
+    ))?;
+    let all = rows(&forced)?;
+    let (lag, input, dissipated) = (29, 30, 31);
+    let resonances: Vec<_> = all.iter().filter(|row| row[curve] == 0.0).collect();
+    assert!((resonances[0][1] / conservative[0][1] - 1.0).abs() < 1e-4, "{:?}", resonances[0]);
+    for row in &all {
+        assert!((row[input] / row[dissipated] - 1.0).abs() < 1e-9, "{row:?}");
+    }
+    assert!(resonances.iter().all(|row| (row[lag] - 90.0).abs() < 1e-6));
+    // The largest energy on the response is that at phase resonance, where damping is weak.
+    let energy = |rows: &mut dyn Iterator<Item = &Vec<f64>>| rows.map(|row| row[2]).fold(0.0, f64::max);
+    let at_level = resonances[0][2] * (0.1 / resonances[0][24]).powi(2);
+    let largest = energy(&mut all.iter().filter(|row| row[curve] == 1.0));
+    assert!((largest / at_level - 1.0).abs() < 0.02, "{largest} {at_level}");
+    Ok(())
+}
+
+/// What does not rest, and what does not fit, is refused where it stands.
+#[test]
+fn loads_that_do_not_fit_are_refused() -> Outcome {
+    let cases = [
+        (
+            ROD.replace("start = \"clamped\"", "start = \"free\"") + "[gravity]\n",
+            "the structure floats: under `gravity`",
+        ),
+        (format!("{ROD}[thermal]\nexpansion_1_k = 1.2e-5\n"), "`thermal` is not complete"),
+        (format!("{ROD}[static_displacement]\nfile = \"u.csv\"\n"), "is of a structure from files"),
+        (format!("{ROD}[[static_force]]\nnodes = [3]\nforce_n = 1.0\n"), "are nodes of a structure from files"),
+        (format!("{ROD}[gravity]\ndirection = \"transverse\"\n"), "cannot be \"transverse\" on a rod"),
+        (format!("{ROD}[gravity]\nacceleration_m_s2 = -9.81\n"), "gravity.acceleration_m_s2"),
+    ];
+    for (text, wanted) in cases {
+        let folder = tempdir()?;
+        let (code, said) = call("check", &scene(&folder, &text)?, &[])?;
+        assert!(code == Some(2) && said.contains(wanted), "{code:?} {wanted}: {said}");
+    }
+    Ok(())
+}

@@ -1,0 +1,75 @@
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use super::matrices::name_or_numbers;
+use super::response::word_or_vector;
+use super::{MAX_BODIES, NameOrNumbers, RawDirection};
+use crate::scene::Side;
+
+/// Weight: the whole mass, that of contact nodes included, in a uniform field.
+#[derive(Debug, Deserialize, JsonSchema)]
+pub struct RawGravity {
+    /// Its acceleration
+    #[serde(default = "standard_gravity")]
+    #[schemars(extend("unit" = "m/s^2", "minimum" = 0.0, "default" = 9.81))]
+    pub acceleration_m_s2: f64,
+    /// Direction in which it pulls; default along a rod, across a beam. Of a structure from files three numbers
+    #[serde(default)]
+    #[schemars(schema_with = "word_or_vector")]
+    pub direction: Option<RawDirection>,
+    /// Side to which it pulls a rod or beam
+    #[schemars(extend("default" = "positive"))]
+    pub side: Option<Side>,
+}
+
+fn standard_gravity() -> f64 {
+    9.81
+}
+
+/// A constant force.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[schemars(extend("oneRequired" = ["at_m", "node", "nodes"]))]
+pub struct RawStaticForce {
+    /// Position along the axis of a rod or beam, at a node or between two
+    #[schemars(extend("unit" = "m", "minimum" = 0.0))]
+    pub at_m: Option<f64>,
+    /// Number of the structure of several to which `at_m` belongs, from 1 in the order of the file
+    #[schemars(range(min = 1, max = MAX_BODIES))]
+    pub structure: Option<u32>,
+    /// Node of a structure from files, in place of `at_m`
+    pub node: Option<u64>,
+    /// Nodes that share the force equally: a node set of the mesh, or a list of nodes
+    #[serde(default)]
+    #[schemars(schema_with = "name_or_numbers")]
+    pub nodes: Option<NameOrNumbers>,
+    /// Direction; default along a rod, across a beam. Of a structure from files three numbers
+    #[serde(default)]
+    #[schemars(schema_with = "word_or_vector")]
+    pub direction: Option<RawDirection>,
+    /// The force in this direction, against it where it is negative
+    #[schemars(extend("unit" = "N"))]
+    pub force_n: f64,
+}
+
+/// Heat: a rod or beam that is warmer by the same everywhere, or the forces of a finite-element program.
+#[derive(Debug, Deserialize, JsonSchema)]
+pub struct RawThermal {
+    /// Coefficient of linear expansion
+    #[schemars(extend("unit" = "1/K", "minimum" = 0.0))]
+    pub expansion_1_k: Option<f64>,
+    /// Temperature above that of the drawing
+    #[schemars(extend("unit" = "K"))]
+    pub temperature_k: Option<f64>,
+    /// Of a structure from files: table of thermal forces node,component,force_n, relative to the scene
+    #[schemars(length(min = 1))]
+    pub forces: Option<String>,
+}
+
+/// Where the structure stands under its static loads with the contacts open, from a static step of a finite-element
+/// program.
+#[derive(Debug, Deserialize, JsonSchema)]
+pub struct RawStaticDisplacement {
+    /// Table node,component,displacement_m, relative to the scene; nodes that it leaves out stay where they are
+    #[schemars(length(min = 1))]
+    pub file: String,
+}
