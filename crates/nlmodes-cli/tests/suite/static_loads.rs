@@ -206,11 +206,11 @@ fn modes_phase_resonance_and_responses_begin_at_closed_stops() -> Outcome {
 /// What does not rest, and what does not fit, is refused where it stands.
 #[test]
 fn loads_that_do_not_fit_are_refused() -> Outcome {
+    let free = ROD.replace("start = \"clamped\"", "start = \"free\"");
+    let held = free.replace("harmonics = 3", "harmonics = 3\nmass_redistribution = \"drop\"");
     let cases = [
-        (
-            ROD.replace("start = \"clamped\"", "start = \"free\"") + "[gravity]\n",
-            "the structure floats: under `gravity`",
-        ),
+        (format!("{held}[gravity]\n"), "the structure floats: under `gravity`"),
+        (format!("{free}[gravity]\n"), "the structure floats: under `gravity`"),
         (format!("{ROD}[thermal]\nexpansion_1_k = 1.2e-5\n"), "`thermal` is not complete"),
         (format!("{ROD}[static_displacement]\nfile = \"u.csv\"\n"), "is of a structure from files"),
         (format!("{ROD}[[static_force]]\nnodes = [3]\nforce_n = 1.0\n"), "are nodes of a structure from files"),
@@ -221,6 +221,50 @@ fn loads_that_do_not_fit_are_refused() -> Outcome {
         let folder = tempdir()?;
         let (code, said) = call("check", &scene(&folder, &text)?, &[])?;
         assert!(code == Some(2) && said.contains(wanted), "{code:?} {wanted}: {said}");
+    }
+    Ok(())
+}
+
+/// Two unit masses on unit springs above a stop: weight, a force that nodes share, thermal forces and displacements from
+/// tables all bring the second one 30 m down.
+#[test]
+fn structures_from_files_take_loads_in_four_ways() -> Outcome {
+    let folder = tempdir()?;
+    for (name, text) in [
+        ("two.sti", "1 1 2.0\n1 2 -1.0\n2 2 1.0\n"),
+        ("two.mas", "1 1 1.0\n1 2 0.0\n2 2 1.0\n"),
+        ("two.dof", "7.3\n10.3\n"),
+        ("forces.csv", "node,component,force_n\n7,uz,-10\n10,uz,-10\n"),
+        ("places.csv", "7,3,-20\n10,3,-30\n"),
+        ("elsewhere.csv", "8,uz,-10\n"),
+        ("broken.csv", "node,component,force_n\n7,uz,x\n"),
+    ] {
+        fs::write(folder.path().join(name), text)?;
+    }
+    let structure = "[structure]\nkind = \"matrices\"\nstiffness = \"two.sti\"\nmass = \"two.mas\"\ndofs = \"two.dof\"\n\
+        units = \"m-kg-s\"\n[[contact]]\nnode = 10\nnormal = [0.0, 0.0, -1.0]\ngap_m = 35.0\nstiffness_n_m = 2.0\n\
+        [method]\nharmonics = 1\n[continuation]\nmax_energy_ratio = 2.0\n";
+    for load in [
+        "[gravity]\nacceleration_m_s2 = 10.0\ndirection = [0.0, 0.0, -1.0]\n",
+        "[[static_force]]\nnodes = [7, 10]\ndirection = [0.0, 0.0, -1.0]\nforce_n = 20.0\n",
+        "[thermal]\nforces = \"forces.csv\"\n",
+        "[static_displacement]\nfile = \"places.csv\"\n",
+    ] {
+        let (code, said) = call("check", &scene(&folder, &format!("{structure}{load}"))?, &[])?;
+        assert!(code == Some(0) && said.contains("gap 5 m under the loads with open stops; open by 5 m"), "{said}");
+    }
+    // Closer by 10 m it is pressed: λ = 5/(2 + 1/2) with the flexibility of the chain and of the stop.
+    let pressed = structure.replace("gap_m = 35.0", "gap_m = 25.0") + "[static_displacement]\nfile = \"places.csv\"\n";
+    let (_, said) = call("check", &scene(&folder, &pressed)?, &[])?;
+    assert!(said.contains("gap -5 m under the loads with open stops; closed, 2 N"), "{said}");
+    for (file, wanted) in [
+        ("elsewhere.csv", "the structure has no row for uz of node 8"),
+        ("broken.csv", "broken.csv:2: found `x`; expected a number, the force_n"),
+        ("missing.csv", "missing.csv"),
+    ] {
+        let (code, said) =
+            call("check", &scene(&folder, &format!("{structure}[thermal]\nforces = \"{file}\"\n"))?, &[])?;
+        assert!(code == Some(2) && said.contains(wanted), "{code:?} {said}");
     }
     Ok(())
 }

@@ -10,7 +10,7 @@ use nlmodes::linalg::{Mat, multiply, multiply_transposed};
 use nlmodes::model::{Contact, DofKind, StructuralModel};
 use nlmodes::response::BaseUnit;
 use nlmodes_io::{ContactNodes, FeModel, ReadError, read_nodal_values};
-use nlmodes_reduction::{OpenModes, RestState};
+use nlmodes_reduction::{ModeCount, OpenModes, RestState};
 
 use super::places::{Body, node_weights, unsupported};
 use super::{Elements, StructureError, dofs};
@@ -95,13 +95,17 @@ fn first_key(loads: &StaticLoads) -> &'static str {
     }
 }
 
+/// Most rigid-body motions of a straight structure in its plane; of one in space twice as many.
+const RIGID_MOTIONS: usize = 3;
+
 /// The same of a structure that is not reduced.
 pub(super) fn of_model(scene: &Scene, model: &StructuralModel) -> Result<Option<StaticState>, StructureError> {
     if scene.static_loads.is_empty() && model.contacts().iter().all(|contact| contact.gap >= 0.0) {
         return Ok(None);
     }
-    // How many modes are taken beside the static flexibility does not matter.
-    let modes = OpenModes::of_model(model, nlmodes_reduction::ModeCount::Lowest(1))?;
+    // How many modes are taken beside the static flexibility does not matter, but one more than rigid-body motions.
+    let count = (RIGID_MOTIONS * scene.structure.bodies().len().max(2) + 1).min(model.dofs().len());
+    let modes = OpenModes::of_model(model, ModeCount::Lowest(count))?;
     of_open(scene, &modes, None)
 }
 
