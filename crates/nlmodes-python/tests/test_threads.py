@@ -1,5 +1,6 @@
 """Other threads go on while a branch is computed, two branches are computed at once, and Ctrl-C ends one within its step."""
 
+import contextlib
 import os
 import random
 import signal
@@ -67,11 +68,12 @@ def test_two_threads_get_twice_the_processor_time_of_one(long):
 
     def share(threads):
         def enough(points, frequency_hz, text):
-            if time.perf_counter() - began > 1.0:
+            if time.perf_counter() - began > 0.5:
                 raise StopIteration
 
         def run():
-            with pytest.raises(StopIteration):
+            # On a fast machine the branch may be there before.
+            with contextlib.suppress(StopIteration):
                 nlmodes.run(long, progress=enough)
 
         own = [threading.Thread(target=run) for _ in range(threads)]
