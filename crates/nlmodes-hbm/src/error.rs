@@ -71,8 +71,8 @@ pub enum HbmError {
     },
     /// A contact presses at rest: the open modes are not those of the motion about rest.
     #[error(
-        "contact {contact} presses at rest (gap {gap} m): a mode about open contacts does not exist, that about closed \
-        ones begins where the first of them is left"
+        "contact {contact} presses at rest (gap {gap} m): the structure does not vibrate in the modes that it has with \
+        open contacts"
     )]
     PressedAtRest {
         /// Index of the contact.

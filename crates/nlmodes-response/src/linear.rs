@@ -1,8 +1,17 @@
 use nlmodes_continuation::{Linearization, ParametricSystem};
 use nlmodes_hbm::{HbmError, PeriodicSystem};
 use nlmodes_linalg::DenseLu;
+use nlmodes_reduction::RestState;
 
 use crate::ResponseError;
+
+/// Unknowns of a response at the level zero, of a structure that its stops press or, without `rest`, of one with open
+/// contacts.
+pub(crate) fn unknowns_at_rest(system: &PeriodicSystem, rest: Option<&RestState>) -> Vec<f64> {
+    let mut x = rest.map_or_else(Vec::new, |rest| system.coefficients_at_rest(&rest.eta));
+    x.resize(system.dim(), 0.0);
+    x
+}
 
 /// The linear motion per unit of the parameter of a response over the level, from these unknowns at rest: they are
 /// linear in the level until a contact changes its state.

@@ -1,8 +1,7 @@
 use nlmodes_contact::solver_by_name;
-use nlmodes_continuation::ParametricSystem;
 use nlmodes_hbm::{
-    DampedStop, HbmError, Load, LoadTerm, ModalGrazing, ModalStructure, ModeAtRest, PeriodicSystem, PhaseLag,
-    ResponseRow, modal_grazing, modal_lift_off,
+    DampedStop, HbmError, Load, LoadTerm, ModalGrazing, ModalStructure, ModeAtRest, PhaseLag, ResponseRow,
+    modal_grazing, modal_lift_off,
 };
 use nlmodes_reduction::{OpenModes, RestState};
 use num_complex::Complex64;
@@ -230,10 +229,7 @@ impl ResponseModel {
     /// # Errors
     /// As [`modal_grazing`] and [`modal_lift_off`], or what the reduction reports of the structure at rest.
     pub fn linear_start(&self, mode: usize) -> Result<ModalGrazing, ResponseError> {
-        if !self.is_pressed() {
-            return Ok(modal_grazing(&self.structure, mode)?);
-        }
-        let rest = self.rest()?;
+        let Some(rest) = self.pressed_rest()? else { return Ok(modal_grazing(&self.structure, mode)?) };
         let modes = self.open.closed_modes(&rest.closed)?;
         let available = modes.omega_squared.len();
         let Some(k) = mode.checked_sub(1).filter(|k| *k < available) else {
@@ -244,25 +240,16 @@ impl ResponseModel {
         Ok(modal_lift_off(&self.structure, at)?)
     }
 
-    /// Whether stops press the structure at rest.
-    pub(crate) fn is_pressed(&self) -> bool {
-        self.structure.gaps().iter().any(|gap| *gap < 0.0)
-    }
-
-    /// The structure at rest.
-    pub(crate) fn rest(&self) -> Result<RestState, ResponseError> {
+    /// The state at rest of a structure that its stops press; `None` of one with open contacts.
+    ///
+    /// # Errors
+    /// What the reduction reports of it.
+    pub(crate) fn pressed_rest(&self) -> Result<Option<RestState>, ResponseError> {
+        if self.structure.gaps().iter().all(|gap| *gap >= 0.0) {
+            return Ok(None);
+        }
         let solver = solver_by_name("active-set").map_err(HbmError::Compliance)?;
-        Ok(self.open.rest(&[], solver.as_ref())?)
-    }
-
-    /// Unknowns of a response at rest, the level zero.
-    pub(crate) fn unknowns_at_rest(&self, system: &PeriodicSystem) -> Result<Vec<f64>, ResponseError> {
-        let mut x = match self.is_pressed() {
-            true => system.coefficients_at_rest(&self.rest()?.eta),
-            false => Vec::new(),
-        };
-        x.resize(system.dim(), 0.0);
-        Ok(x)
+        Ok(Some(self.open.rest(&[], solver.as_ref())?))
     }
 
     /// Values of the modes, with zeros for the stops that dissipate behind them.

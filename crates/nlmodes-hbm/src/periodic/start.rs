@@ -23,8 +23,7 @@ pub struct ModalGrazing {
     pub energy: f64,
     /// The contact that grazes.
     pub contact: usize,
-    /// Its amplitude, m: its gap; of a stop that is about to be left, the static motion of its
-    /// contact by that energy.
+    /// Its amplitude, m: its gap; of a stop that is about to be left, the static motion of its contact by that energy.
     pub length: f64,
     /// Modal coordinates at rest, m, m √kg.
     mean: Vec<f64>,
@@ -47,11 +46,14 @@ pub struct ModeAtRest<'a> {
     pub closed: &'a [bool],
 }
 
+/// Motion of a guard by a mode, over the largest, below which the mode does not move it.
+const UNFELT: f64 = 1e-9;
+
 /// Guard of a contact at rest, over the largest, below which it touches without force.
 const ROUNDING: f64 = 1e-10;
 
-/// The amplitude of a mode about a pressed rest at which the first of its contacts is about to change its state: a
-/// closed one is left, or an open one touched.
+/// The amplitude of a mode about rest at which the first of its contacts is about to change its state: an open one is
+/// touched, or one that presses is left.
 ///
 /// # Errors
 /// [`HbmError::NeverTouches`] if it moves no contact, [`HbmError::TouchesAtRest`] for one that it moves and that
@@ -69,16 +71,19 @@ pub fn modal_lift_off(structure: &ModalStructure, at: ModeAtRest<'_>) -> Result<
     let first = felt.map(|i| (i, -guards[i] / slopes[i])).min_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
     let never = HbmError::NeverTouches { mode: at.mode, frequency_hz: omega / TAU, ratio: 0.0 };
     let (contact, amplitude) = first.ok_or(never)?;
-    if guards[contact] <= ROUNDING * largest {
+    // Open contacts have the gaps that they were given, those of a pressed rest come from its forces.
+    let is_pressed = at.closed.contains(&true);
+    if guards[contact] <= if is_pressed { ROUNDING * largest } else { 0.0 } {
         return Err(HbmError::TouchesAtRest { contact, gap: structure.gaps()[contact] });
     }
     let damping = |j: usize, k: usize| at.shape[j] * structure.damping().entry(j, k) * at.shape[k];
     let damping: f64 = (0..m).flat_map(|j| (0..m).map(move |k| (j, k))).map(|(j, k)| damping(j, k)).sum();
-    // A stop that presses hardly moves before it is left: what this energy does to the structure is a length.
     let energy = 0.25 * at.omega_squared * amplitude * amplitude;
     let elastic = (0..m).filter(|&k| structure.omega_squared()[k] > 0.0);
     let modal = elastic.map(|k| structure.rows()[(contact, k)].powi(2) / structure.omega_squared()[k]).sum::<f64>();
     let compliance = structure.compliance().a()[(contact, contact)] + modal;
+    // A stop that presses hardly moves before it is left: what this energy does to the structure is a length.
+    let length = if at.closed[contact] { 2.0 * (energy * compliance).sqrt() } else { guards[contact] };
     let padded = |eta: &[f64]| eta.iter().copied().chain(std::iter::repeat(0.0)).take(structure.n_modes()).collect();
     Ok(ModalGrazing {
         mode: at.mode,
@@ -87,14 +92,11 @@ pub fn modal_lift_off(structure: &ModalStructure, at: ModeAtRest<'_>) -> Result<
         amplitude,
         energy,
         contact,
-        length: 2.0 * (energy * compliance).sqrt(),
+        length,
         mean: padded(at.rest),
         shape: padded(at.shape),
     })
 }
-
-/// Motion of a guard by a mode, over the largest, below which the mode does not move it.
-const UNFELT: f64 = 1e-9;
 
 /// The grazing point of open mode `mode` (from 1).
 ///
@@ -116,25 +118,9 @@ pub fn modal_grazing(structure: &ModalStructure, mode: usize) -> Result<ModalGra
         let first_elastic = structure.omega_squared().iter().position(|w| *w > 1e-12 * largest).map(|k| k + 1);
         return Err(HbmError::RigidBodyMode { mode, first_elastic });
     }
-    let omega = square.sqrt();
-    let row = |i: usize| structure.rows()[(i, k)];
-    let moving = (0..structure.n_contacts()).filter(|&i| row(i) != 0.0);
-    let first = moving.map(|i| (i, structure.gaps()[i] / row(i).abs())).min_by(|a, b| a.1.total_cmp(&b.1));
-    let (contact, amplitude) = first.ok_or(HbmError::NeverTouches { mode, frequency_hz: omega / TAU, ratio: 0.0 })?;
-    if amplitude <= 0.0 {
-        return Err(HbmError::TouchesAtRest { contact, gap: structure.gaps()[contact] });
-    }
-    Ok(ModalGrazing {
-        mode,
-        omega,
-        damping_ratio: structure.damping().entry(k, k) / (2.0 * omega),
-        amplitude: -amplitude * row(contact).signum(),
-        energy: 0.25 * square * amplitude * amplitude,
-        contact,
-        length: structure.gaps()[contact],
-        mean: vec![0.0; structure.n_modes()],
-        shape: (0..structure.n_modes()).map(|j| f64::from(u8::from(j == k))).collect(),
-    })
+    let shape: Vec<f64> = (0..m).map(|j| f64::from(u8::from(j == k))).collect();
+    let (rest, closed) = (vec![0.0; m], vec![false; structure.n_contacts()]);
+    modal_lift_off(structure, ModeAtRest { mode, omega_squared: square, shape: &shape, rest: &rest, closed: &closed })
 }
 
 impl ModalGrazing {

@@ -4,6 +4,7 @@ use nlmodes_hbm::{HbmError, ModalStructure, PeriodicSystem, Scales};
 
 use super::doubled::doubled_responses;
 use crate::follow::Curve;
+use crate::linear::unknowns_at_rest;
 use crate::{ResponseCurve, ResponseError, ResponseModel, ResponsePoint, ResponseSettings};
 
 /// Length of the window in units of the parameter: with steps of at most 0.1, some sixty points where nothing else
@@ -182,7 +183,7 @@ fn over_level<'a>(
     direction[n] = 1.0;
     let bounds = vec![Bound { coordinate: n, min: 0.0, max: WINDOW }];
     let drive = model.drive(settings)?;
-    let x = model.unknowns_at_rest(&system)?;
+    let x = unknowns_at_rest(&system, model.pressed_rest()?.as_ref());
     Ok(Curve { system, x, p: 0.0, direction, bounds, drive, settings, solver })
 }
 

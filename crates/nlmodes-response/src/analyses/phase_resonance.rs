@@ -1,11 +1,12 @@
 use nlmodes_contact::{LcpSolver, solver_by_name};
 use nlmodes_continuation::{Bound, ParametricSystem};
 use nlmodes_hbm::{HbmError, PeriodicSystem, PhaseLag};
+use nlmodes_reduction::RestState;
 use num_complex::Complex64;
 
 use super::forced::scales;
 use crate::follow::Curve;
-use crate::linear::linear_motion;
+use crate::linear::{linear_motion, unknowns_at_rest};
 use crate::{ResponseCurve, ResponseError, ResponseModel, ResponseSettings};
 
 /// Motions whose drive point lags the load by `settings.lag`, from half the level that first touches to the largest
@@ -25,8 +26,8 @@ pub fn phase_resonance(
     }
     let drive = model.drive(settings)?.ok_or(ResponseError::NoDrive)?;
     let solver = solver_by_name(&settings.contact_solver).map_err(HbmError::Compliance)?;
-    let closed = if model.is_pressed() { Some(model.rest()?.closed) } else { None };
-    let linear = Linear { model, settings, drive: &drive, solver: solver.as_ref(), closed };
+    let pressed = model.pressed_rest()?;
+    let linear = Linear { model, settings, drive: &drive, solver: solver.as_ref(), pressed };
     let (base, [rest, x], touching) = linear.resonance()?;
     let structure = model.structure();
     let scales = scales(structure, base);
@@ -58,8 +59,8 @@ struct Linear<'a> {
     settings: &'a ResponseSettings,
     drive: &'a PhaseLag,
     solver: &'a dyn LcpSolver,
-    /// The contacts that are closed at rest, of a structure that its stops press.
-    closed: Option<Vec<bool>>,
+    /// The state at rest of a structure that its stops press.
+    pressed: Option<RestState>,
 }
 
 /// Number of frequencies in the search, and its range relative to the mode's frequency on both sides.
@@ -73,9 +74,9 @@ impl Linear<'_> {
         if mode == 0 || mode > available {
             return Err(HbmError::NoSuchMode { mode, available }.into());
         }
-        let mode_omega = match self.model.is_pressed() {
-            true => self.model.linear_start(mode)?.omega,
-            false => structure.omega_squared()[mode - 1].sqrt(),
+        let mode_omega = match self.pressed {
+            Some(_) => self.model.linear_start(mode)?.omega,
+            None => structure.omega_squared()[mode - 1].sqrt(),
         };
         let near = mode_omega / self.settings.subharmonic as f64;
         let missed = || ResponseError::NoPhaseResonance { lag_deg: self.settings.lag.to_degrees(), omega: mode_omega };
@@ -107,6 +108,11 @@ impl Linear<'_> {
         Ok((omega, x, touching))
     }
 
+    /// The contacts that are closed at rest.
+    fn closed(&self) -> Option<&[bool]> {
+        self.pressed.as_ref().map(|rest| rest.closed.as_slice())
+    }
+
     fn system(&self, omega: f64) -> Result<PeriodicSystem, ResponseError> {
         let structure = self.model.structure();
         let load = self.model.load(self.settings)?;
@@ -119,9 +125,9 @@ impl Linear<'_> {
     /// resonance.
     fn phase(&self, omega: f64) -> Result<f64, ResponseError> {
         let mut system = self.system(omega)?;
-        let rest = self.model.unknowns_at_rest(&system)?;
+        let rest = unknowns_at_rest(&system, self.pressed.as_ref());
         let x = linear_motion(&mut system, &rest)?;
-        let small = small_level(&mut system, (&rest, &x), self.closed.as_deref())?;
+        let small = small_level(&mut system, (&rest, &x), self.closed())?;
         let motion = system.motion(&beside(&rest, &x, small), small)?;
         let n = self.drive.harmonic;
         let own = system.load().terms().iter().zip(&self.drive.row.loads).filter(|(term, _)| term.harmonic == n);
@@ -134,9 +140,9 @@ impl Linear<'_> {
     /// changes its state.
     fn motion(&self, omega: f64) -> Result<([Vec<f64>; 2], f64), ResponseError> {
         let mut few = self.system(omega)?;
-        let rest = self.model.unknowns_at_rest(&few)?;
+        let rest = unknowns_at_rest(&few, self.pressed.as_ref());
         let x = linear_motion(&mut few, &rest)?;
-        let touching = small_level(&mut few, (&rest, &x), self.closed.as_deref())? / SAFE;
+        let touching = small_level(&mut few, (&rest, &x), self.closed())? / SAFE;
         let structure = self.model.structure();
         let load = self.model.load(self.settings)?;
         let scales = scales(structure, omega);
