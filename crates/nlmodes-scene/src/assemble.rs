@@ -297,7 +297,7 @@ impl Assembly {
             return Ok(Self { model: open.reduced.model().clone(), state: open.state.clone(), open: Some(open) });
         }
         let model = full_model(scene, structures)?;
-        let state = static_loads::of_model(scene, &model)?;
+        let state = static_loads::of_model(scene, &model, structures)?;
         let model = if let Some(state) = &state { static_loads::moved(model, state)? } else { model };
         Ok(Self { model, open: None, state })
     }

@@ -32,7 +32,7 @@ pub(super) fn read(path: &Path) -> Result<LabelTable> {
                 return Err(lines.expected("three or six columns, row,node,component[,x,y,z]", lines.line()));
             }
             if unsigned(fields[0]).is_none() {
-                check_heading(&lines, &fields)?;
+                check_heading(&lines, &fields, &NAMES)?;
                 continue;
             }
         }
@@ -60,8 +60,8 @@ pub(super) fn read(path: &Path) -> Result<LabelTable> {
     Ok(LabelTable { labels: in_order(&lines, rows)?, positions, repeated: None })
 }
 
-fn check_heading(lines: &Lines, fields: &[&[u8]]) -> Result<()> {
-    let wrong = fields.iter().zip(NAMES).find(|(found, name)| !found.eq_ignore_ascii_case(name.as_bytes()));
+pub(super) fn check_heading(lines: &Lines, fields: &[&[u8]], names: &[&str]) -> Result<()> {
+    let wrong = fields.iter().zip(names).find(|(found, name)| !found.eq_ignore_ascii_case(name.as_bytes()));
     wrong.map_or(Ok(()), |(found, name)| Err(lines.expected(format!("the column `{name}`"), found)))
 }
 

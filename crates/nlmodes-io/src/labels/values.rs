@@ -1,6 +1,6 @@
 //! Comma-separated `node,component,value`.
 
-use std::collections::HashSet;
+use std::collections::HashMap;
 use std::path::Path;
 
 use super::{DofLabel, repeated, table};
@@ -15,7 +15,7 @@ use crate::text::{Lines, commas, unsigned};
 /// freedom that comes twice, an empty table.
 pub fn read_nodal_values(path: &Path, quantity: &'static str) -> Result<Vec<(DofLabel, f64)>> {
     let mut lines = Lines::open(path)?;
-    let (mut values, mut known) = (Vec::new(), HashSet::new());
+    let (mut values, mut known) = (Vec::new(), HashMap::new());
     let expected = format!("node,component,{quantity}");
     while lines.advance()? {
         if lines.line().trim_ascii().is_empty() || lines.line().starts_with(b"#") {
@@ -24,17 +24,13 @@ pub fn read_nodal_values(path: &Path, quantity: &'static str) -> Result<Vec<(Dof
         let fields: Vec<&[u8]> = commas(lines.line()).collect();
         let [node, component, value] = fields[..] else { return Err(lines.expected(expected, lines.line())) };
         if values.is_empty() && unsigned(node).is_none() {
-            let names = ["node", "component", quantity];
-            let wrong = fields.iter().zip(names).find(|(found, name)| !found.eq_ignore_ascii_case(name.as_bytes()));
-            match wrong {
-                Some((found, name)) => return Err(lines.expected(format!("the column `{name}`"), found)),
-                None => continue,
-            }
+            table::check_heading(&lines, &fields, &["node", "component", quantity])?;
+            continue;
         }
         let node = lines.unsigned(node, "number of the node")?;
         let label = DofLabel { node, component: table::component(&lines, component)? };
-        if !known.insert(label) {
-            return Err(lines.error(repeated(label, lines.number())));
+        if let Some(before) = known.insert(label, lines.number()) {
+            return Err(lines.error(repeated(label, before)));
         }
         values.push((label, lines.real(value, quantity)?));
     }

@@ -18,7 +18,8 @@ row! {
             "nonlinear modal amplitude: norm of the fundamental, weighted by the mass matrix";
         fundamental_m: f64, "m", "real amplitude of the fundamental at stop 0, signed against its phase anchor";
         peak_m: f64, "m",
-            "largest displacement at stop 0 toward it, from the drawing; of a stop that stands still while the base shakes, in space";
+            "largest displacement at stop 0 toward it, from the drawing; of a stop that stands still while the base \
+             shakes, in space";
         contact_fraction: f64, "", "share of the period in which stop 0 is touched, 0 to 1";
         contact_intervals: usize, "", "closed intervals a period, all stops together";
         peak_contact_force_n: f64, "N",

@@ -57,3 +57,14 @@ fn significant(x: f64, digits: usize) -> String {
     let rounded: f64 = format!("{x:.*e}", digits.saturating_sub(1)).parse().unwrap_or(x);
     number(rounded)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_figure_without_an_error_stands_alone() {
+        let told = |uncertainty: f64| with_error(Measured { value: 40.1, uncertainty }, "Hz");
+        assert_eq!([told(0.02), told(f64::NAN)], ["40.1 ± 0.02 Hz", "40.1 Hz"]);
+    }
+}

@@ -13,7 +13,7 @@ use nlmodes_io::{ContactNodes, FeModel, ReadError, read_nodal_values};
 use nlmodes_reduction::{ModeCount, OpenModes, RestState};
 
 use super::places::{Body, node_weights, unsupported};
-use super::{Elements, StructureError, dofs};
+use super::{Elements, StructureError, Structures, dofs};
 use crate::scene::{
     BaseDirection, ForcePlace, Gravity, Matrices, Place, Scene, SceneStructure, StaticLoads, Structure, Thermal,
 };
@@ -99,14 +99,19 @@ fn first_key(loads: &StaticLoads) -> &'static str {
 const RIGID_MOTIONS: usize = 3;
 
 /// The same of a structure that is not reduced.
-pub(super) fn of_model(scene: &Scene, model: &StructuralModel) -> Result<Option<StaticState>, StructureError> {
+pub(super) fn of_model(
+    scene: &Scene,
+    model: &StructuralModel,
+    structures: &Structures,
+) -> Result<Option<StaticState>, StructureError> {
     if scene.static_loads.is_empty() && model.contacts().iter().all(|contact| contact.gap >= 0.0) {
         return Ok(None);
     }
     // How many modes are taken beside the static flexibility does not matter, but one more than rigid-body motions.
     let count = (RIGID_MOTIONS * scene.structure.bodies().len().max(2) + 1).min(model.dofs().len());
     let modes = OpenModes::of_model(model, ModeCount::Lowest(count))?;
-    of_open(scene, &modes, None)
+    let files = scene.structure.matrices().map(|matrices| structures.model(&matrices.files)).transpose()?;
+    of_open(scene, &modes, files.as_deref())
 }
 
 /// The model with the gaps that the loads leave.
@@ -194,11 +199,16 @@ fn of_files(loads: &StaticLoads, matrices: &Matrices, model: &FeModel) -> Result
             }
             ForcePlace::One(Place::Along { .. }) | ForcePlace::Nodes { nodes: ContactNodes::OfPairs, .. } => continue,
         };
-        let share = load.force / nodes.len() as f64;
+        let (share, mut is_felt) = (load.force / nodes.len() as f64, false);
         for node in nodes {
             let weights = node_weights(&all, node, direction);
             let weights = weights.map_err(|why| StructureError::StaticForce { force: i, why })?;
+            is_felt |= !weights.is_empty();
             weights.iter().for_each(|&(dof, w)| force[dof] += w * share);
+        }
+        if !is_felt {
+            let why = "the structure does not move there in this direction".to_owned();
+            return Err(StructureError::StaticForce { force: i, why });
         }
     }
     Ok(Some(Moved::Force(force)))

@@ -143,7 +143,8 @@ fn gap(raw: &RawNodeContact, i: usize, diagnostics: &mut Diagnostics<'_>) -> Opt
     }
 }
 
-fn nodes(raw: &NameOrNumbers) -> ContactNodes {
+/// The nodes of a contact or a load.
+pub fn nodes(raw: &NameOrNumbers) -> ContactNodes {
     match raw {
         NameOrNumbers::Name(name) => ContactNodes::Set(name.clone()),
         NameOrNumbers::Numbers(numbers) => ContactNodes::Numbers(numbers.clone()),

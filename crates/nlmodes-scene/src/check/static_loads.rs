@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
-use nlmodes_io::ContactNodes;
-
+use super::matrices;
 use super::response::Places;
-use crate::raw::{NameOrNumbers, RawAnalysis, RawGravity, RawPlace, RawStaticForce, RawThermal};
+use crate::raw::{RawAnalysis, RawGravity, RawStaticForce, RawThermal};
 use crate::scene::{BaseDirection, ForcePlace, Gravity, Side, StaticForce, StaticLoads, Thermal};
 use crate::{Diagnostic, Diagnostics};
 
@@ -19,6 +18,18 @@ pub fn check(raw: &RawAnalysis, base: &Path, places: &Places<'_>, diagnostics: &
         let diagnostic = Diagnostic::error("`static_displacement` is of a structure from files");
         let label = "expected [gravity], [[static_force]] or [thermal]";
         diagnostics.put("static_displacement", diagnostic, label);
+    }
+    let beside = [
+        ("gravity", raw.gravity.is_some()),
+        ("static_force", raw.static_force.is_some()),
+        ("thermal", raw.thermal.is_some()),
+    ];
+    if displacement.is_some()
+        && let Some((key, _)) = beside.into_iter().find(|(_, there)| *there)
+    {
+        let diagnostic = Diagnostic::error(format!("`static_displacement` says already what `{key}` does"));
+        let help = "it is the displacement under all static loads together, from another program";
+        diagnostics.put(key, diagnostic.help(help), "expected either this table or [static_displacement]");
     }
     StaticLoads {
         gravity: raw.gravity.as_ref().and_then(|raw| gravity(raw, places, diagnostics)),
@@ -47,9 +58,8 @@ fn force(
 ) -> Option<StaticForce> {
     let path = |key: &str| format!("static_force.{i}.{key}");
     let keys = ["at_m", "node", "direction", "structure"].map(path);
-    let place = |direction| RawPlace { at_m: raw.at_m, structure: raw.structure, node: raw.node, direction };
     let Some(nodes) = &raw.nodes else {
-        let at = places.place(&place(raw.direction.clone()), &keys, diagnostics)?;
+        let at = places.place(&raw.place, &keys, diagnostics)?;
         return Some(StaticForce { at: ForcePlace::One(at), force: raw.force_n });
     };
     if !matches!(places, Places::Nodes) {
@@ -57,16 +67,13 @@ fn force(
         diagnostics.put(&path("nodes"), diagnostic, "expected `at_m`, a position along the axis");
         return None;
     }
-    if raw.at_m.is_some() || raw.node.is_some() {
+    if raw.place.at_m.is_some() || raw.place.node.is_some() {
         let diagnostic = Diagnostic::error(format!("`static_force.{i}` says twice where it acts"));
         diagnostics.put(&path("nodes"), diagnostic, "expected one of `node` and `nodes`");
         return None;
     }
-    let nodes = match nodes {
-        NameOrNumbers::Name(name) => ContactNodes::Set(name.clone()),
-        NameOrNumbers::Numbers(numbers) => ContactNodes::Numbers(numbers.clone()),
-    };
-    let direction = places.base_direction(&path("direction"), raw.direction.as_ref(), diagnostics)?;
+    let nodes = matrices::nodes(nodes);
+    let direction = places.base_direction(&path("direction"), raw.place.direction.as_ref(), diagnostics)?;
     let BaseDirection::Vector(direction) = direction else { return None };
     Some(StaticForce { at: ForcePlace::Nodes { nodes, direction }, force: raw.force_n })
 }

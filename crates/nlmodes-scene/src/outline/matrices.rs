@@ -5,7 +5,7 @@ mod stops;
 use std::collections::HashSet;
 use std::f64::consts::TAU;
 
-use super::{Row, law, row};
+use super::{Row, law, rounded, row};
 use crate::assemble::OpenStructure;
 use crate::doubts::unplaced_unknowns;
 use crate::memory::Effort;
@@ -46,11 +46,6 @@ pub fn reduction(scene: &Scene, open: &OpenStructure) -> Row {
         format!("; the first contact closed, half as many modes change the frequency by {error:.1e}")
     });
     row("reduction", format!("{modes} open modes up to {highest} Hz and the static flexibility of all others{error}"))
-}
-
-/// To six digits.
-fn rounded(x: f64) -> f64 {
-    format!("{x:.5e}").parse().unwrap_or(x)
 }
 
 fn structure(matrices: &Matrices, model: &FeModel) -> Vec<Row> {

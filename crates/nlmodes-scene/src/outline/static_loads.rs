@@ -1,11 +1,11 @@
 //! Static loads, and where the structure rests under them.
 
 use super::responses::place;
-use super::{Row, list, row};
+use super::{Row, list, rounded, row};
 use crate::assemble::StaticState;
 use crate::number;
 use crate::rule::counted;
-use crate::scene::{BaseDirection, ForcePlace, Gravity, Scene, StaticForce, Thermal};
+use crate::scene::{BaseDirection, Direction, ForcePlace, Gravity, Scene, StaticForce, StructureKind, Thermal};
 use nlmodes_io::ContactNodes;
 
 /// Stops that are said one by one.
@@ -15,7 +15,8 @@ const LISTED: usize = 12;
 pub fn rows(scene: &Scene, state: Option<&StaticState>) -> Vec<Row> {
     let (loads, several) = (&scene.static_loads, scene.structure.bodies().len() > 1);
     let mut rows = Vec::new();
-    rows.extend(loads.gravity.map(|of| row("gravity", gravity(of))));
+    let bends = scene.structure.bodies().iter().any(|body| body.kind() == StructureKind::Beam);
+    rows.extend(loads.gravity.map(|of| row("gravity", gravity(of, bends))));
     let forces = loads.forces.iter().enumerate();
     rows.extend(forces.map(|(i, of)| row(format!("static {i}"), force(of, several))));
     rows.extend(loads.thermal.as_ref().map(|of| row("thermal", thermal(of))));
@@ -24,13 +25,13 @@ pub fn rows(scene: &Scene, state: Option<&StaticState>) -> Vec<Row> {
     rows
 }
 
-fn gravity(of: Gravity) -> String {
+fn gravity(of: Gravity, bends: bool) -> String {
     match of.direction {
         BaseDirection::Along(direction) => {
             let side = if of.acceleration < 0.0 { "negative" } else { "positive" };
             let axial = match direction {
-                crate::scene::Direction::Axial => "; that it stiffens or softens bending is left out",
-                crate::scene::Direction::Transverse => "",
+                Direction::Axial if bends => "; that it stiffens or softens bending is left out",
+                _ => "",
             };
             let size = number(of.acceleration.abs());
             format!("{size} m/s², {}, to the {side} side{axial}", direction.name())
@@ -82,9 +83,4 @@ fn at_rest(state: &StaticState) -> Vec<Row> {
     };
     let each = state.free_gaps.iter().enumerate().take(LISTED).map(stop);
     std::iter::once(row("at rest", said)).chain(each).collect()
-}
-
-/// To six digits.
-fn rounded(x: f64) -> f64 {
-    format!("{x:.5e}").parse().unwrap_or(x)
 }

@@ -3,7 +3,7 @@ use serde::Deserialize;
 
 use super::matrices::name_or_numbers;
 use super::response::word_or_vector;
-use super::{MAX_BODIES, NameOrNumbers, RawDirection};
+use super::{NameOrNumbers, RawDirection, RawPlace};
 use crate::scene::Side;
 
 /// Weight: the whole mass, that of contact nodes included, in a uniform field.
@@ -30,22 +30,13 @@ fn standard_gravity() -> f64 {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[schemars(extend("oneRequired" = ["at_m", "node", "nodes"]))]
 pub struct RawStaticForce {
-    /// Position along the axis of a rod or beam, at a node or between two
-    #[schemars(extend("unit" = "m", "minimum" = 0.0))]
-    pub at_m: Option<f64>,
-    /// Number of the structure of several to which `at_m` belongs, from 1 in the order of the file
-    #[schemars(range(min = 1, max = MAX_BODIES))]
-    pub structure: Option<u32>,
-    /// Node of a structure from files, in place of `at_m`
-    pub node: Option<u64>,
+    /// Where and in which direction it acts
+    #[serde(flatten)]
+    pub place: RawPlace,
     /// Nodes that share the force equally: a node set of the mesh, or a list of nodes
     #[serde(default)]
     #[schemars(schema_with = "name_or_numbers")]
     pub nodes: Option<NameOrNumbers>,
-    /// Direction; default along a rod, across a beam. Of a structure from files three numbers
-    #[serde(default)]
-    #[schemars(schema_with = "word_or_vector")]
-    pub direction: Option<RawDirection>,
     /// The force in this direction, against it where it is negative
     #[schemars(extend("unit" = "N"))]
     pub force_n: f64,
