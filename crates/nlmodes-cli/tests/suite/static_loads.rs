@@ -269,7 +269,8 @@ fn structures_from_files_take_loads_in_four_ways() -> Outcome {
         fs::write(folder.path().join(name), text)?;
     }
     let structure = "[structure]\nkind = \"matrices\"\nstiffness = \"two.sti\"\nmass = \"two.mas\"\n\
-        dofs = \"two.dof\"\nunits = \"m-kg-s\"\n[[contact]]\nnode = 10\nnormal = [0.0, 0.0, -1.0]\ngap_m = 35.0\nstiffness_n_m = 2.0\n\
+        dofs = \"two.dof\"\nunits = \"m-kg-s\"\n\
+        [[contact]]\nnode = 10\nnormal = [0.0, 0.0, -1.0]\ngap_m = 35.0\nstiffness_n_m = 2.0\n\
         [method]\nharmonics = 1\n[continuation]\nmax_energy_ratio = 2.0\n";
     for load in [
         "[gravity]\nacceleration_m_s2 = 10.0\ndirection = [0.0, 0.0, -1.0]\n",
