@@ -1,5 +1,5 @@
 use nlmodes_contact::LcpError;
-use nlmodes_linalg::LinalgError;
+use nlmodes_linalg::{LinalgError, rounded};
 use nlmodes_modal::ModalError;
 use nlmodes_model::ModelError;
 use nlmodes_reduction::ReductionError;
@@ -62,7 +62,8 @@ pub enum HbmError {
         frequency_hz: f64,
     },
     /// A contact touches without force at rest, so that no linear motion precedes contact.
-    #[error("contact {contact} touches at rest without force (gap {gap} m): there is no linear mode to start from")]
+    #[error("contact {contact} touches at rest without force (gap {gap} m): there is no linear mode to start from",
+        gap = rounded(*.gap, 6))]
     TouchesAtRest {
         /// Index of the contact.
         contact: usize,
@@ -72,7 +73,8 @@ pub enum HbmError {
     /// A contact presses at rest: the open modes are not those of the motion about rest.
     #[error(
         "contact {contact} presses at rest (gap {gap} m): the structure does not vibrate in the modes that it has with \
-        open contacts"
+        open contacts",
+        gap = rounded(*.gap, 6)
     )]
     PressedAtRest {
         /// Index of the contact.

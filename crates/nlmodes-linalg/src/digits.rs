@@ -84,6 +84,12 @@ impl fmt::Display for Digits {
     }
 }
 
+/// The nearest double with this many decimal digits, so that its shortest text is short; the value itself if it is not
+/// finite.
+pub fn rounded(value: f64, digits: usize) -> f64 {
+    format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value)
+}
+
 /// Sizes that differ, of values evenly taken from all.
 fn sample(values: impl IntoIterator<Item = f64>) -> Vec<f64> {
     let (mut kept, mut step, mut passed) = (Vec::new(), 1, 0);

@@ -50,7 +50,7 @@ mod threads;
 pub use cholesky::{CholeskyPlan, SparseCholesky};
 pub use compressed::sparse_from_columns;
 pub use dense::{DenseLu, add_product};
-pub use digits::Digits;
+pub use digits::{Digits, rounded};
 pub use eigenvalues::eigenvalues;
 pub use error::LinalgError;
 pub use exponential::matrix_exponential;

@@ -1,4 +1,4 @@
-use nlmodes_linalg::LinalgError;
+use nlmodes_linalg::{LinalgError, rounded};
 use thiserror::Error;
 
 use crate::{DofKind, RigidMotion};
@@ -275,6 +275,5 @@ impl ModelError {
 
 /// Hz to ten digits, of rad/s.
 fn hertz(omega: f64) -> f64 {
-    let hz = omega / std::f64::consts::TAU;
-    format!("{hz:.9e}").parse().unwrap_or(hz)
+    rounded(omega / std::f64::consts::TAU, 10)
 }

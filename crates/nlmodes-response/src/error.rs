@@ -1,5 +1,6 @@
 use nlmodes_continuation::ContinuationError;
 use nlmodes_hbm::HbmError;
+use nlmodes_linalg::rounded;
 use nlmodes_reduction::ReductionError;
 use thiserror::Error;
 
@@ -82,6 +83,5 @@ pub enum ResponseError {
 
 /// A frequency in Hz, to nine digits.
 fn hz(omega: &f64) -> f64 {
-    let hz = omega / std::f64::consts::TAU;
-    format!("{hz:.8e}").parse().unwrap_or(hz)
+    rounded(omega / std::f64::consts::TAU, 9)
 }

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use nlmodes::model::{MassShift, MasslessContactModel, StructuralModel};
 use nlmodes_scene::scene::Scene;
-use nlmodes_scene::{SceneFile, number};
+use nlmodes_scene::{SceneFile, short};
 
 use crate::open_modes::OpenLinearModes;
 use crate::settings::{Models, models};
@@ -66,8 +66,7 @@ pub fn open_modes(
 
 /// Hz of an angular frequency, to six digits whatever its size.
 fn hertz(omega: f64) -> String {
-    let hz = omega / TAU;
-    number(format!("{hz:.5e}").parse().unwrap_or(hz))
+    short(omega / TAU)
 }
 
 fn text(scene: &Scene, shift: &MassShift) -> String {

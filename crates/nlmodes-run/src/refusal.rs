@@ -9,7 +9,7 @@ use nlmodes::timestep::TimestepError;
 use nlmodes_scene::assemble::{OpenStructure, Strainless};
 use nlmodes_scene::doubts::contacts_balance;
 use nlmodes_scene::scene::{Direction, ResponseKind, Scene, StructureKind};
-use nlmodes_scene::{SceneError, SceneFile, number};
+use nlmodes_scene::{SceneError, SceneFile, short};
 
 use crate::{RunError, chain};
 
@@ -52,7 +52,7 @@ pub fn unless_supported(file: &SceneFile, open: Option<&OpenStructure>) -> Resul
         bodies(&strainless),
         strainless.text()
     );
-    Err(file.error_at("structure", &title, "", &[SUPPORT]).into())
+    Err(file.error_at("structure", &title, "", &[SUPPORT, &strainless.unseen_text()]).into())
 }
 
 /// Which bodies these are, in brackets.
@@ -82,14 +82,10 @@ pub fn unless_branch(file: &SceneFile, open: Option<&OpenStructure>) -> Result<(
     let first = open.modes.omega_squared().get(count).map(|square| nlmodes::report::hertz(square.sqrt()));
     let expected = first.map_or_else(
         || "expected a structure with an elastic mode".to_owned(),
-        |hz| format!("expected {} or more: that is the first elastic mode, {} Hz", count + 1, rounded(hz)),
+        |hz| format!("expected {} or more: that is the first elastic mode, {} Hz", count + 1, short(hz)),
     );
-    Err(file.error_at("method.mode", &title, &expected, &[SUPPORT]).into())
-}
-
-/// To six digits.
-fn rounded(x: f64) -> String {
-    number(format!("{x:.5e}").parse().unwrap_or(x))
+    let help = [SUPPORT, &open.strainless.unseen_text()];
+    Err(file.error_at("method.mode", &title, &expected, &help).into())
 }
 
 const SUPPORT: &str = "a support is missing: boundary conditions of the model before its matrices are written, or \

@@ -87,8 +87,3 @@ fn list(values: &[f64]) -> String {
 fn law(stiffness: Option<f64>) -> String {
     stiffness.map_or_else(|| "rigid".to_owned(), |k| format!("{} N/m", number(k)))
 }
-
-/// To six digits.
-fn rounded(x: f64) -> f64 {
-    format!("{x:.5e}").parse().unwrap_or(x)
-}

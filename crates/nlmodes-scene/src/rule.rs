@@ -1,5 +1,6 @@
 //! What the schema says about one key, and the same in words.
 
+use nlmodes_linalg::rounded;
 use serde_json::{Map, Value};
 use toml::de::DeValue;
 
@@ -231,6 +232,11 @@ pub fn either(choices: &[&str]) -> String {
         Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
         _ => quoted.concat(),
     }
+}
+
+/// A computed number, with six digits at most.
+pub fn short(x: f64) -> String {
+    number(rounded(x, 6))
 }
 
 /// A number as people write it: up to nine significant digits, a power of ten where it is very large or very small.

@@ -20,6 +20,11 @@ pub struct Openness {
     /// The inner sums are over the entries with one value `v`, as meshes of equal elements have many: these are cut off
     /// alike. In matrices of more than eight million entries each counts by itself.
     pub deviations: Vec<f64>,
+    /// The largest eigenvalue that a strainless mode might have unnoticed, rad²/s²; zero where there is none.
+    pub unseen: f64,
+    /// The eigenvalues of the strainless modes are too large, taken together, for chance alone: something holds them
+    /// that the digits do not resolve.
+    pub unresolved: bool,
     /// So many of the lowest modes strain nothing, as far as the digits tell: they are motions of rigid bodies or of
     /// mechanisms, or they have been lost among the digits.
     pub strainless: usize,
@@ -29,14 +34,15 @@ impl Openness {
     /// That of the lowest `count` modes alone.
     pub fn of_lowest(&self, count: usize) -> Self {
         let deviations = self.deviations.iter().take(count).copied().collect();
-        Self { deviations, strainless: self.strainless.min(count) }
+        Self { deviations, strainless: self.strainless.min(count), ..*self }
     }
 }
 
 /// An eigenvalue up to so many deviations is not told from zero.
 const UNCERTAIN: f64 = 5.0;
 /// One up to so many is that of a motion that strains nothing if [`BALANCED`] and [`GAP`] say so too: programs add up
-/// their elements with some more rounding than that of the last digit, and not at random.
+/// their elements with some more rounding than that of the last binary digit, and not at random. Free bodies of own
+/// bricks in double precision had up to 180. What decimal digits cut off is far more than that rounding.
 const SUSPECT: f64 = 1e3;
 /// The force of a motion that strains nothing is at most so many of its deviations, in any row.
 const BALANCED: f64 = 100.0;
@@ -63,22 +69,32 @@ impl Known<'_> {
         let value = |k: usize| if modes.eigenvalues[k] > 0.0 { modes.eigenvalues[k] } else { sums[k].energy };
         let deviation = |k: usize| (sums[k].stiffness + value(k).powi(2) * sums[k].mass).sqrt();
         let deviations: Vec<f64> = (0..modes.eigenvalues.len()).map(deviation).collect();
-        let strainless = self.strainless(modes, &deviations, value);
-        Openness { deviations, strainless }
+        let strainless = self.strainless(modes, &deviations, &value);
+        let in_deviations = (0..strainless).map(|k| (value(k) / deviations[k]).powi(2));
+        let unresolved =
+            matches!(self.digits[0], Digits::Decimal(_)) && in_deviations.sum::<f64>() > chance(strainless);
+        let limit = |k: usize| if value(k).abs() <= UNCERTAIN * deviations[k] { UNCERTAIN } else { SUSPECT };
+        let unseen = (0..strainless).map(|k| limit(k) * deviations[k]).fold(0.0, f64::max);
+        Openness { deviations, strainless, unseen, unresolved }
+    }
+
+    /// Deviations up to which an eigenvalue may be that of a motion that strains nothing.
+    fn suspect(&self) -> f64 {
+        if matches!(self.digits[0], Digits::Decimal(_)) { UNCERTAIN } else { SUSPECT }
     }
 
     /// Whether this may be a motion that strains nothing.
     pub fn is_suspect(&self, modes: &Modes, mode: usize) -> bool {
         let column = modes.vectors.subcols(mode, 1).to_owned();
         let sums = self.sums(&column);
-        modes.eigenvalues[mode].max(sums[0].energy) <= SUSPECT * sums[0].stiffness.sqrt()
+        modes.eigenvalues[mode].max(sums[0].energy) <= self.suspect() * sums[0].stiffness.sqrt()
     }
 
     fn strainless(&self, modes: &Modes, deviations: &[f64], value: impl Fn(usize) -> f64) -> usize {
         let count = deviations.len();
         let uncertain = (0..count).take_while(|&k| value(k).abs() <= UNCERTAIN * deviations[k]).count();
         let suspect = |k: &usize| {
-            value(*k).abs() <= SUSPECT * deviations[*k] && self.imbalance(modes.vectors.col(*k)) <= BALANCED
+            value(*k).abs() <= self.suspect() * deviations[*k] && self.imbalance(modes.vectors.col(*k)) <= BALANCED
         };
         let all = uncertain + (uncertain..count).take_while(suspect).count();
         let apart = |k: usize| k < count && value(k) >= GAP * value(k - 1).abs();
@@ -112,6 +128,12 @@ impl Known<'_> {
         let shift = sum(self.stiffness) / sum(self.mass);
         if shift.is_finite() && shift > 0.0 { shift } else { 1.0 }
     }
+}
+
+/// The sum of the squares of `count` normal numbers that one set in ten thousand exceeds, by a tenth at most too much.
+fn chance(count: usize) -> f64 {
+    let n = count as f64;
+    n + 5.5 * (2.0 * n).sqrt() + 6.0
 }
 
 /// `xᵀ A x` and its variance, for the columns of `shapes`.

@@ -362,3 +362,37 @@ fn motions_with_neither_stiffness_nor_mass_are_found_and_held() {
         assert_eq!(common.felt_by(&directions), Some(2));
     }
 }
+
+/// A bar that floats on springs too soft for the digits of its stiffness is not said to be free: it is seen that
+/// something holds it, or the digits cannot show it.
+#[test]
+fn a_bar_on_soft_springs_is_not_taken_for_a_free_one() {
+    let digits = [Digits::Decimal(10); 2];
+    let (mut held, mut lost, mut unseen) = (0, 0, 0);
+    for n in 30..36 {
+        let (free, m) = bar(n, 1.0 + 0.173 * n as f64, false);
+        let mass: f64 = triplets(&m).map(|(_, _, v)| v).sum();
+        let rough = cut(&free, 10);
+        let pencil = Pencil::known_to(&rough, &m, digits).unwrap();
+        let deviation = pencil.openness(&pencil.lowest(2).unwrap()).deviations[0];
+        for square in (1..25).map(|k| 0.5 * f64::from(k) * deviation) {
+            // Springs at both ends, on which the bar bounces with this ω².
+            let soft = |i: usize, j: usize| i == j && (i == 0 || i + 1 == free.nrows());
+            let with = |(i, j, v)| (i, j, if soft(i, j) { v + 0.5 * square * mass } else { v });
+            let entries: Vec<_> = triplets(&free).map(with).collect();
+            let k = cut(&sparse_from_triplets(free.nrows(), free.ncols(), &entries).unwrap(), 10);
+            let pencil = Pencil::known_to(&k, &m, digits).unwrap();
+            let open = pencil.openness(&pencil.lowest(4).unwrap());
+            match (open.strainless, open.unresolved) {
+                (0, _) => held += 1,
+                (_, true) => lost += 1,
+                (count, false) => {
+                    assert_eq!(count, 1);
+                    assert!(square < 1.6 * open.unseen, "{n}: {square:e} for {:e}", open.unseen);
+                    unseen += 1;
+                }
+            }
+        }
+    }
+    assert!(held > 40 && lost > 5 && unseen > 20, "{held} {lost} {unseen}");
+}

@@ -4,11 +4,12 @@ use std::f64::consts::TAU;
 
 use nlmodes::branches::{ComputedBranch, Histories, reference_points};
 use nlmodes_scene::assemble::StaticState;
+use nlmodes_scene::short;
 
 use super::curve::BranchCurve;
 use crate::Failure;
 use crate::curve::histories::{MAX_CURVES, Reference, SAMPLES};
-use crate::curve::stops::{self, short};
+use crate::curve::stops;
 
 /// The reference points of the first branch, or the largest amplitude that all branches reach where these do not go as
 /// far, with the motion of each branch there.

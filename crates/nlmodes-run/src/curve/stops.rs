@@ -2,6 +2,7 @@
 
 use nlmodes::modal::ModalBranch;
 use nlmodes_scene::scene::Scene;
+use nlmodes_scene::short;
 
 use super::Curve;
 
@@ -28,12 +29,6 @@ pub fn names(curve: &dyn Curve) -> Vec<String> {
             format!("stop {number} at {} m{side}", short(coordinates[stop.coordinate].position))
         })
         .collect()
-}
-
-/// A position, or another size, with six digits at most.
-pub fn short(position: f64) -> String {
-    let text = format!("{position:.5e}");
-    nlmodes_scene::number(text.parse().unwrap_or(position))
 }
 
 /// Kind of the coordinates that are drawn: that of the first contact, or of the first one.

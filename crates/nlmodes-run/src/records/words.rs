@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use nlmodes::experiment::extraction::{Measured, RecordExtraction};
-use nlmodes_scene::number;
+use nlmodes_scene::{number, rounded};
 
 /// What was extracted from a record, in a few lines.
 pub fn in_words(found: &RecordExtraction) -> String {
@@ -54,8 +54,7 @@ fn with_error(measured: Measured, unit: &str) -> String {
 }
 
 fn significant(x: f64, digits: usize) -> String {
-    let rounded: f64 = format!("{x:.*e}", digits.saturating_sub(1)).parse().unwrap_or(x);
-    number(rounded)
+    number(rounded(x, digits))
 }
 
 #[cfg(test)]

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use nlmodes::modal::ModalPoint;
 use nlmodes::report::DataTable;
-use nlmodes_scene::number;
 use nlmodes_scene::scene::Scene;
+use nlmodes_scene::{number, short};
 
 use super::curves::ComputedResponse;
 use super::figures::{self, Named, kind};
@@ -122,7 +122,7 @@ fn resonances(model: &Model, curves: &[ComputedResponse]) -> DataTable {
                 number(figures::level(point)),
                 format!("{:.6}", point.listed_omega() / TAU),
                 format!("{:.5e}", figures::drive(point)),
-                number(format!("{force:.5e}").parse().unwrap_or(force)),
+                short(force),
                 stable.to_owned(),
             ]);
         }

@@ -16,9 +16,6 @@ const BEYOND_HARMONICS: f64 = 4.0;
 /// And they are so many at least, where the structure has them.
 const FEWEST: usize = 12;
 
-/// Deviations within which a mode that is not told from zero lies.
-const MOST_DEVIATIONS: f64 = 5.0;
-
 /// A structure in open modes, and what its rows and contacts are called.
 #[derive(Debug)]
 pub struct OpenStructure {
@@ -131,10 +128,9 @@ pub fn free_modes(scene: &Scene, structures: &Structures) -> Result<Option<(Open
 
 /// Motions that strain nothing, if the digits of the files leave no mode open.
 fn strainless(model: &FeModel, modes: &OpenModes) -> Result<Strainless, StructureError> {
-    Strainless::of(model, modes).ok_or_else(|| {
-        let widest = modes.openness().deviations.iter().take(modes.openness().strainless);
-        let omega_squared = MOST_DEVIATIONS * widest.copied().fold(0.0, f64::max);
-        StructureError::Digits { digits: model.digits[0], up_to_hz: omega_squared.sqrt() / TAU }
+    Strainless::of(model, modes).ok_or_else(|| StructureError::Digits {
+        digits: model.digits[0],
+        up_to_hz: modes.openness().unseen.sqrt() / TAU,
     })
 }
 

@@ -1,8 +1,12 @@
 //! Motions of a structure from files that strain nothing: those of rigid bodies, and others.
 
+use std::f64::consts::TAU;
+
 use nlmodes_io::{DofLabel, FeModel};
-use nlmodes_linalg::{Mat, symmetric_eigen};
+use nlmodes_linalg::{Mat, rounded, symmetric_eigen};
 use nlmodes_reduction::OpenModes;
+
+use crate::number;
 
 /// Share of a motion that may be another one than that of rigid bodies, in the mean square: what the digits mix into
 /// it of the elastic modes.
@@ -16,7 +20,7 @@ const DEPENDENT: f64 = 1e-8;
 const UNSEEN: f64 = 1e-4;
 
 /// Motions that strain nothing, as far as the digits of the files tell.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 #[non_exhaustive]
 pub struct Strainless {
     /// Those in which all bodies move as rigid ones, as far as places and rotations tell.
@@ -25,6 +29,8 @@ pub struct Strainless {
     pub mechanisms: usize,
     /// The lowest node of each body that moves in them.
     pub floating: Vec<u64>,
+    /// The digits of the files would not show a support on which the structure has a frequency below this one, Hz.
+    pub unseen_hz: f64,
 }
 
 impl Strainless {
@@ -44,11 +50,12 @@ impl Strainless {
         let (others, unseen) = Rows::new(model, &bodies).others(&modes.shapes().subcols(0, count).to_owned());
         let worst = modes.openness().deviations[..count].iter().copied().fold(0.0, f64::max);
         let next = modes.omega_squared().get(count).copied().unwrap_or(0.0);
-        if others + unseen > 0 && worst > GAP * next {
+        if modes.openness().unresolved || others + unseen > 0 && worst > GAP * next {
             return None;
         }
         let floating = floating(model, &bodies, modes, count);
-        Some(Self { rigid: count - others, mechanisms: others, floating })
+        let unseen_hz = modes.openness().unseen.sqrt() / TAU;
+        Some(Self { rigid: count - others, mechanisms: others, floating, unseen_hz })
     }
 
     /// `six rigid-body motions`, or with the mechanisms; empty without any.
@@ -65,6 +72,12 @@ impl Strainless {
             .collect::<Vec<_>>()
             .join(" and ")
             .replace("motion of a mechanisms", "motions of mechanisms")
+    }
+
+    /// What the digits of the files leave open: softer supports do not show in them.
+    pub fn unseen_text(&self) -> String {
+        let hz = number(rounded(self.unseen_hz, 2));
+        format!("a support on which the structure has less than {hz} Hz would not show in the digits of the files")
     }
 }
 

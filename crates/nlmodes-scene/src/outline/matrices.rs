@@ -5,14 +5,14 @@ mod stops;
 use std::collections::HashSet;
 use std::f64::consts::TAU;
 
-use super::{Row, law, rounded, row};
+use super::{Row, law, row};
 use crate::assemble::OpenStructure;
 use crate::doubts::unplaced_unknowns;
 use crate::memory::Effort;
-use crate::number;
 use crate::rule::counted;
 use crate::rule::percent;
 use crate::scene::{Matrices, Scene};
+use crate::short;
 use nlmodes_io::{ContactChoice, ContactNodes, FeModel, Mesh, NodeContact, Partner};
 
 /// Frequencies that are said.
@@ -37,7 +37,7 @@ pub fn rows(scene: &Scene, open: Option<&OpenStructure>) -> Vec<Row> {
 
 /// The row of the reduction.
 pub fn reduction(scene: &Scene, open: &OpenStructure) -> Row {
-    let (modes, highest) = (open.modes.n_modes(), number(rounded(open.highest_hz())));
+    let (modes, highest) = (open.modes.n_modes(), short(open.highest_hz()));
     if open.modes.has_all_modes() {
         return row("reduction", format!("all {modes} open modes, up to {highest} Hz"));
     }
@@ -68,7 +68,7 @@ fn structure(matrices: &Matrices, model: &FeModel) -> Vec<Row> {
     lines.extend(model.mesh.as_ref().map(|mesh| {
         let side = |axis: usize| {
             let values = || mesh.places.iter().map(|place| place[axis]);
-            number(rounded(values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min)))
+            short(values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min))
         };
         let size = format!("{} × {} × {} m", side(0), side(1), side(2));
         row(
@@ -111,7 +111,7 @@ fn free_mass(matrices: &Matrices, model: &FeModel) -> String {
             unknowns within elements (C3D8I)"
         );
     }
-    let [x, y, z] = model.mass_along_axes().map(|mass| number(rounded(mass)));
+    let [x, y, z] = model.mass_along_axes().map(|mass| short(mass));
     format!("{x} kg along x, {y} kg along y, {z} kg along z")
 }
 
@@ -119,7 +119,7 @@ fn free_mass(matrices: &Matrices, model: &FeModel) -> String {
 fn frequencies(open: &OpenStructure) -> String {
     let (squares, count) = (open.modes.omega_squared(), open.strainless.count());
     let hz = squares.iter().skip(count).take(FIRST).map(|square| square.max(0.0).sqrt() / TAU);
-    let list: Vec<String> = hz.map(|hz| number(rounded(hz))).collect();
+    let list: Vec<String> = hz.map(|hz| short(hz)).collect();
     let elastic = format!("{} Hz, contacts open", list.join(", "));
     if count == 0 {
         return elastic;
@@ -131,8 +131,9 @@ fn frequencies(open: &OpenStructure) -> String {
         _ => format!(" (the bodies of nodes {})", nodes.join(", ")),
     };
     format!(
-        "{}, nothing holds the structure there{bodies}; from mode {} on {elastic}",
+        "{}, nothing holds the structure there{bodies} ({}); from mode {} on {elastic}",
         open.strainless.text(),
+        open.strainless.unseen_text(),
         count + 1
     )
 }
@@ -163,7 +164,7 @@ fn left_open(scene: &Scene, open: &OpenStructure, model: &FeModel) -> Vec<Row> {
 fn contacts(matrices: &Matrices, model: &FeModel, contacts: &[NodeContact]) -> Vec<Row> {
     let gaps = || contacts.iter().map(|contact| contact.gap);
     let (low, high) = (gaps().fold(f64::MAX, f64::min), gaps().fold(f64::MIN, f64::max));
-    let [low, high] = [low, high].map(|gap| number(rounded(gap)));
+    let [low, high] = [low, high].map(|gap| short(gap));
     let mut lines = vec![row("contacts", format!("{}, gaps from {low} to {high} m", contacts.len()))];
     lines.extend(sets(matrices, model));
     lines.extend(contacts.iter().take(LISTED).enumerate().map(|(stop, of)| row("", contact(stop, model, of))));
@@ -200,14 +201,14 @@ fn sets(matrices: &Matrices, model: &FeModel) -> Vec<Row> {
 }
 
 fn contact(stop: usize, model: &FeModel, contact: &NodeContact) -> String {
-    let [x, y, z] = contact.normal.map(|n| number(rounded(n)));
+    let [x, y, z] = contact.normal.map(|n| short(n));
     let against = contact.against.map_or_else(|| "a wall".to_owned(), |node| format!("node {node}"));
     let law = law(contact.stiffness);
-    let gap = number(rounded(contact.gap));
+    let gap = short(contact.gap);
     let drawn = contact.distance_in(model).map_or_else(String::new, |distance| {
         // Distances that are nothing but rounding of places are none.
         let distance = if distance.abs() < 1e-12 { 0.0 } else { distance };
-        format!("; {} m in the mesh", number(rounded(distance)))
+        format!("; {} m in the mesh", short(distance))
     });
     format!("stop {stop}: node {} before {against}, normal [{x}, {y}, {z}], gap {gap} m, {law}{drawn}", contact.node)
 }

@@ -1,11 +1,11 @@
 //! Static loads, and where the structure rests under them.
 
 use super::responses::place;
-use super::{Row, list, rounded, row};
+use super::{Row, list, row};
 use crate::assemble::StaticState;
-use crate::number;
 use crate::rule::counted;
 use crate::scene::{BaseDirection, Direction, ForcePlace, Gravity, Scene, StaticForce, StructureKind, Thermal};
+use crate::{number, short};
 use nlmodes_io::ContactNodes;
 
 /// Stops that are said one by one.
@@ -73,10 +73,10 @@ fn at_rest(state: &StaticState) -> Vec<Row> {
         n => format!("{} of {} closed", n, counted(state.free_gaps.len(), "stop")),
     };
     let stop = |(i, gap): (usize, &f64)| {
-        let gap = number(rounded(*gap));
+        let gap = short(*gap);
         let text = match (rest.closed.get(i), rest.forces.get(i)) {
-            (Some(true), Some(force)) => format!("closed, {} N", number(rounded(*force))),
-            (Some(false), _) => format!("open by {} m", number(rounded(rest.gaps[i]))),
+            (Some(true), Some(force)) => format!("closed, {} N", short(*force)),
+            (Some(false), _) => format!("open by {} m", short(rest.gaps[i])),
             _ => "not known, since the structure floats".to_owned(),
         };
         row("", format!("stop {i}: gap {gap} m under the loads with open stops; {text}"))
