@@ -6,6 +6,7 @@ use nlmodes::branches::BranchError;
 use nlmodes::hbm::HbmError;
 use nlmodes::model::ModelError;
 use nlmodes::timestep::TimestepError;
+use nlmodes_reduction::OpenModes;
 use nlmodes_scene::assemble::{OpenStructure, Strainless};
 use nlmodes_scene::doubts::contacts_balance;
 use nlmodes_scene::scene::{Direction, ResponseKind, Scene, StructureKind};
@@ -37,22 +38,27 @@ pub fn unless_held(file: &SceneFile, open: Option<&OpenStructure>) -> Result<(),
     }
 }
 
-/// A structure from files that responds to loads must be held: while its contacts are open nothing says where it is.
+/// A structure that responds to loads must be held: while its contacts are open nothing says where it is.
 ///
 /// # Errors
 /// [`RunError`] that says which body floats and what to do.
-pub fn unless_supported(file: &SceneFile, open: Option<&OpenStructure>) -> Result<(), RunError> {
-    let strainless = open.map(|open| open.strainless.clone()).unwrap_or_default();
+pub fn unless_supported(file: &SceneFile, modes: &OpenModes, open: Option<&OpenStructure>) -> Result<(), RunError> {
     let conservative = file.scene.responses.iter().all(|response| response.kind == ResponseKind::Mode);
-    if conservative || strainless.count() == 0 {
+    let rigid = modes.rigid_motions().map_or(0, |(rigid, _)| rigid);
+    if conservative || rigid == 0 {
         return Ok(());
     }
+    // Those of files are known by body, and with what their digits leave open.
+    let known = open.map(|open| &open.strainless).filter(|strainless| strainless.count() > 0);
+    let of_axis = Strainless::of_rigid_bodies(rigid);
     let title = format!(
         "the structure floats{}: it has {}, and while its contacts are open nothing says where it is",
-        bodies(&strainless),
-        strainless.text()
+        known.map(bodies).unwrap_or_default(),
+        known.unwrap_or(&of_axis).text()
     );
-    Err(file.error_at("structure", &title, "", &[SUPPORT, &strainless.unseen_text()]).into())
+    let unseen = known.map(Strainless::unseen_text);
+    let help: Vec<&str> = [support(file)].into_iter().chain(unseen.as_deref()).collect();
+    Err(file.error_at("structure", &title, "", &help).into())
 }
 
 /// Which bodies these are, in brackets.
@@ -99,11 +105,15 @@ fn floating(file: &SceneFile, open: &OpenStructure, (rigid, left): (usize, usize
         "the structure can move as a rigid body{body}: {rigid} {modes} {strain} nothing, and holding all contacts \
         leaves {left} of these motions"
     );
-    let help = match file.scene.structure.matrices() {
+    file.error_at("structure", &title, "", &[support(file)]).into()
+}
+
+/// What holds a structure of this kind.
+fn support(file: &SceneFile) -> &'static str {
+    match file.scene.structure.matrices() {
         Some(_) => SUPPORT,
         None => "a support is missing: `start`, `end` or a `[[structure.spring]]`",
-    };
-    file.error_at("structure", &title, "", &[help]).into()
+    }
 }
 
 /// An error of a branch, at the key of the scene that it is about.

@@ -64,7 +64,7 @@ impl Model {
     pub fn sharing(file: &SceneFile, structures: &Structures) -> Result<Self, RunError> {
         let scene = &file.scene;
         let parts = reduced(file, structures)?;
-        refusal::unless_supported(file, parts.reduction.as_ref())?;
+        refusal::unless_supported(file, &parts.open, parts.reduction.as_ref())?;
         let failed = |key: &str, error: &(dyn std::error::Error + 'static)| -> RunError {
             file.error_at(key, &chain(error), "here", &[]).into()
         };

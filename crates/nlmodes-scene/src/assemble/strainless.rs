@@ -34,6 +34,11 @@ pub struct Strainless {
 }
 
 impl Strainless {
+    /// So many motions of rods and beams, whose bodies have no names.
+    pub fn of_rigid_bodies(rigid: usize) -> Self {
+        Self { rigid, ..Self::default() }
+    }
+
     /// All of them: as many of the lowest modes.
     pub fn count(&self) -> usize {
         self.rigid + self.mechanisms

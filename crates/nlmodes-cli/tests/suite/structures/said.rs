@@ -163,5 +163,19 @@ fn a_floating_structure_is_named_by_check_before_a_branch_and_before_a_response(
     let (code, response) = said(&format!("{METHOD}{load}"))?;
     let says = "the structure floats (the body of node 1): it has one rigid-body motion";
     assert!(code == Some(2) && response.contains(says) && response.contains("a support is missing"), "{response}");
+    // Beams by their ends.
+    for (start, says) in [("free", "three rigid-body motions"), ("pinned", "one rigid-body motion")] {
+        let beam = format!(
+            "[structure]\nkind = \"beam\"\nlength_m = 0.5\nelements = 6\nstart = \"{start}\"\n[structure.material]\n\
+             youngs_modulus_pa = 2e11\ndensity_kg_m3 = 7800\n[structure.section]\nwidth_m = 0.02\nheight_m = 0.003\n\
+             [[contact]]\nat_m = 0.5\ndirection = \"transverse\"\nside = \"positive\"\ngap_m = 1e-3\n"
+        );
+        let load = load.replace("node = 1\ndirection = [1.0, 0.0, 0.0]", "at_m = 0.5\ndirection = \"transverse\"");
+        fs::write(at("beam.toml"), format!("{beam}{METHOD}{load}"))?;
+        let output = call(&["check", &at("beam.toml").to_string_lossy()])?;
+        let said = text(&output.stderr);
+        assert!(output.status.code() == Some(2) && said.contains(&format!("floats: it has {says}")), "{said}");
+        assert!(said.contains("`[[structure.spring]]`"), "{said}");
+    }
     Ok(())
 }
