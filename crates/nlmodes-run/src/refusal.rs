@@ -84,7 +84,10 @@ pub fn unless_branch(file: &SceneFile, open: Option<&OpenStructure>) -> Result<(
     if mode > count {
         return Ok(());
     }
-    let title = format!("mode {mode} strains nothing: the structure has {}", open.strainless.text());
+    let title = format!(
+        "mode {mode} strains nothing that the digits of the files show: the structure has {}",
+        open.strainless.text()
+    );
     let first = open.modes.omega_squared().get(count).map(|square| nlmodes::report::hertz(square.sqrt()));
     let expected = first.map_or_else(
         || "expected a structure with an elastic mode".to_owned(),

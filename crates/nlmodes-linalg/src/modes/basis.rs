@@ -44,6 +44,12 @@ impl Basis {
         }
     }
 
+    /// Keeps the first `len` columns.
+    pub fn truncate(&mut self, len: usize) {
+        self.len = len.min(self.len);
+        self.pieces.truncate(self.len.div_ceil(PIECE));
+    }
+
     pub fn column(&self, j: usize) -> ColRef<'_, f64> {
         self.pieces[j / PIECE].col(j % PIECE)
     }
@@ -101,8 +107,7 @@ impl Basis {
                 self.pieces[j / PIECE].col_mut(j % PIECE).subrows_mut(first, count).copy_from(sum.col(j));
             }
         }
-        self.len = kept;
-        self.pieces.truncate(kept.div_ceil(PIECE));
+        self.truncate(kept);
         self
     }
 

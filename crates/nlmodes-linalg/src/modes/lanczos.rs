@@ -42,7 +42,9 @@ pub(super) fn invariant_subspace(pencil: &Pencil, operator: &Operator, count: us
         let floor = descending(&theta).get(count - 1).map_or(0.0, |&worst| theta[worst] * (1.0 + 1e-10));
         let Some(run) = Run::start(operator, &found, seed, [n, width, rank]) else { break };
         let wanted = if floor > 0.0 { width } else { count.saturating_sub(theta.len()).max(1) };
-        let (batch, ritz, run) = run.complete(wanted, floor)?;
+        let (batch, ritz, mut run) = run.complete(wanted, floor)?;
+        // The vectors of the last step are not in the projection: what they found is still missing.
+        run.basis.truncate(run.size());
         if batch.is_empty() {
             break;
         }

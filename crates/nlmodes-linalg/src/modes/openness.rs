@@ -22,9 +22,6 @@ pub struct Openness {
     pub deviations: Vec<f64>,
     /// The largest eigenvalue that a strainless mode might have unnoticed, rad²/s²; zero where there is none.
     pub unseen: f64,
-    /// The eigenvalues of the strainless modes are too large, taken together, for chance alone: something holds them
-    /// that the digits do not resolve.
-    pub unresolved: bool,
     /// So many of the lowest modes strain nothing, as far as the digits tell: they are motions of rigid bodies or of
     /// mechanisms, or they have been lost among the digits.
     pub strainless: usize,
@@ -42,8 +39,11 @@ impl Openness {
 const UNCERTAIN: f64 = 5.0;
 /// One up to so many is that of a motion that strains nothing if [`BALANCED`] and [`GAP`] say so too: programs add up
 /// their elements with some more rounding than that of the last binary digit, and not at random. Free bodies of own
-/// bricks in double precision had up to 180. What decimal digits cut off is far more than that rounding.
+/// bricks in double precision had up to 180.
 const SUSPECT: f64 = 1e3;
+/// The same where decimal digits have been cut off, which is far more than that rounding, but not at random where few
+/// values differ: free bodies of CalculiX had up to 5.3.
+const SUSPECT_DECIMAL: f64 = 10.0;
 /// The force of a motion that strains nothing is at most so many of its deviations, in any row.
 const BALANCED: f64 = 100.0;
 /// The next eigenvalue is larger by this factor.
@@ -70,17 +70,14 @@ impl Known<'_> {
         let deviation = |k: usize| (sums[k].stiffness + value(k).powi(2) * sums[k].mass).sqrt();
         let deviations: Vec<f64> = (0..modes.eigenvalues.len()).map(deviation).collect();
         let strainless = self.strainless(modes, &deviations, &value);
-        let in_deviations = (0..strainless).map(|k| (value(k) / deviations[k]).powi(2));
-        let unresolved =
-            matches!(self.digits[0], Digits::Decimal(_)) && in_deviations.sum::<f64>() > chance(strainless);
-        let limit = |k: usize| if value(k).abs() <= UNCERTAIN * deviations[k] { UNCERTAIN } else { SUSPECT };
+        let limit = |k: usize| if value(k).abs() <= UNCERTAIN * deviations[k] { UNCERTAIN } else { self.suspect() };
         let unseen = (0..strainless).map(|k| limit(k) * deviations[k]).fold(0.0, f64::max);
-        Openness { deviations, strainless, unseen, unresolved }
+        Openness { deviations, strainless, unseen }
     }
 
     /// Deviations up to which an eigenvalue may be that of a motion that strains nothing.
     fn suspect(&self) -> f64 {
-        if matches!(self.digits[0], Digits::Decimal(_)) { UNCERTAIN } else { SUSPECT }
+        if matches!(self.digits[0], Digits::Decimal(_)) { SUSPECT_DECIMAL } else { SUSPECT }
     }
 
     /// Whether this may be a motion that strains nothing.
@@ -128,12 +125,6 @@ impl Known<'_> {
         let shift = sum(self.stiffness) / sum(self.mass);
         if shift.is_finite() && shift > 0.0 { shift } else { 1.0 }
     }
-}
-
-/// The sum of the squares of `count` normal numbers that one set in ten thousand exceeds, by a tenth at most too much.
-fn chance(count: usize) -> f64 {
-    let n = count as f64;
-    n + 5.5 * (2.0 * n).sqrt() + 6.0
 }
 
 /// `xᵀ A x` and its variance, for the columns of `shapes`.

@@ -364,11 +364,11 @@ fn motions_with_neither_stiffness_nor_mass_are_found_and_held() {
 }
 
 /// A bar that floats on springs too soft for the digits of its stiffness is not said to be free: it is seen that
-/// something holds it, or the digits cannot show it.
+/// something holds it, or the frequency is said below which that does not show.
 #[test]
 fn a_bar_on_soft_springs_is_not_taken_for_a_free_one() {
     let digits = [Digits::Decimal(10); 2];
-    let (mut held, mut lost, mut unseen) = (0, 0, 0);
+    let (mut held, mut unseen) = (0, 0);
     for n in 30..36 {
         let (free, m) = bar(n, 1.0 + 0.173 * n as f64, false);
         let mass: f64 = triplets(&m).map(|(_, _, v)| v).sum();
@@ -383,16 +383,41 @@ fn a_bar_on_soft_springs_is_not_taken_for_a_free_one() {
             let k = cut(&sparse_from_triplets(free.nrows(), free.ncols(), &entries).unwrap(), 10);
             let pencil = Pencil::known_to(&k, &m, digits).unwrap();
             let open = pencil.openness(&pencil.lowest(4).unwrap());
-            match (open.strainless, open.unresolved) {
-                (0, _) => held += 1,
-                (_, true) => lost += 1,
-                (count, false) => {
-                    assert_eq!(count, 1);
-                    assert!(square < 1.6 * open.unseen, "{n}: {square:e} for {:e}", open.unseen);
-                    unseen += 1;
-                }
+            if open.strainless == 0 {
+                held += 1;
+                continue;
             }
+            assert_eq!(open.strainless, 1);
+            assert!(square < 1.6 * open.unseen, "{n}: {square:e} for {:e}", open.unseen);
+            unseen += 1;
         }
     }
-    assert!(held > 40 && lost > 5 && unseen > 20, "{held} {lost} {unseen}");
+    assert!(held > 20 && unseen > 20, "{held} {unseen}");
+}
+
+/// Bars apart, each a little stiffer than the one before, have as many motions at zero and nothing else twice: none of
+/// them is missed, however many modes are asked for.
+#[test]
+fn no_mode_of_a_multiple_eigenvalue_is_missed() {
+    let (bars, n) = (6, 40);
+    let entries = |of: usize| -> Vec<(usize, usize, f64)> {
+        let one = |c: usize| {
+            let (k, m) = bar(n - 1, 1.0 + 0.217 * c as f64, false);
+            let (a, at) = (if of == 0 { k } else { m }, c * n);
+            triplets(&a).map(|(i, j, v)| (at + i, at + j, v)).collect::<Vec<_>>()
+        };
+        (0..bars).flat_map(one).collect()
+    };
+    let of = |k: usize| sparse_from_triplets(bars * n, bars * n, &entries(k)).unwrap();
+    let (k, m) = (of(0), of(1));
+    let exact = Pencil::known_to(&k, &m, [Digits::DOUBLE; 2]).unwrap().lowest(bars * n).unwrap().eigenvalues;
+    for shift in (0..6).map(|i| exact[bars] * (0.3 + 0.35 * f64::from(i))) {
+        let pencil = Pencil::shifted(&k, &m, shift, None).unwrap();
+        for count in 7..30 {
+            let found = pencil.solve(count).unwrap().eigenvalues;
+            assert_eq!(found.len(), count);
+            let off = |(λ, exact): (&f64, &f64)| (λ - exact).abs() > 1e-8 * exact + 1e-6 * shift;
+            assert!(!found.iter().zip(&exact).any(off), "{count} modes: {found:?}");
+        }
+    }
 }

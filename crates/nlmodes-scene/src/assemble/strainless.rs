@@ -55,7 +55,7 @@ impl Strainless {
         let (others, unseen) = Rows::new(model, &bodies).others(&modes.shapes().subcols(0, count).to_owned());
         let worst = modes.openness().deviations[..count].iter().copied().fold(0.0, f64::max);
         let next = modes.omega_squared().get(count).copied().unwrap_or(0.0);
-        if modes.openness().unresolved || others + unseen > 0 && worst > GAP * next {
+        if others + unseen > 0 && worst > GAP * next {
             return None;
         }
         let floating = floating(model, &bodies, modes, count);
