@@ -38,8 +38,10 @@ pub enum HbmError {
     },
     /// The linear mode does not move any contact.
     #[error(
-        "mode {mode} ({frequency_hz:.4} Hz) never touches: its largest motion at a contact is {ratio:.1e} of its \
-            largest motion"
+        "mode {mode} ({frequency_hz:.4} Hz) never {}: its largest motion at a contact is {ratio:.1e} of its largest \
+         motion{}",
+        if *.is_pressed { "lifts off" } else { "touches" },
+        .first.map_or_else(String::new, |(first, hz)| format!("; the next one that does is mode {first} ({hz:.4} Hz)"))
     )]
     NeverTouches {
         /// The mode, from 1.
@@ -48,6 +50,10 @@ pub enum HbmError {
         frequency_hz: f64,
         /// Contact motion over largest motion.
         ratio: f64,
+        /// Contacts press at rest.
+        is_pressed: bool,
+        /// The next mode that moves a contact, and its frequency, Hz, if one was found.
+        first: Option<(usize, f64)>,
     },
     /// The contact nodes were all that had mass of what moves with them.
     #[error(

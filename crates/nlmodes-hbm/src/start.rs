@@ -1,3 +1,5 @@
+use std::f64::consts::TAU;
+
 use nlmodes_contact::{LcpMatrix, solver_by_name};
 use nlmodes_linalg::{
     DenseLu, Mat, SparseMatrix, Triplet, max_norm, select, sparse_from_triplets, symmetric_eigen, triplets,
@@ -14,6 +16,9 @@ const NO_MOTION: f64 = 1e-9;
 
 /// Squared angular frequency, over that of the lowest held mode, below which a mode is a rigid-body motion.
 const RIGID: f64 = 1e-12;
+
+/// Modes behind one that moves no contact among which the next one that does is sought.
+const LOOKED_AT: usize = 10;
 
 /// Most rigid-body motions of a straight structure in its plane.
 const RIGID_MOTIONS: usize = 3;
@@ -44,6 +49,8 @@ pub struct Grazing {
     /// By how much contacts that touch at rest stand back, m, c: so far that the mode just touches them. Zero for all
     /// others, and from [`grazing`].
     pub opening: Vec<f64>,
+    /// The contact presses at rest, and is about to be left.
+    pub lifts_off: bool,
 }
 
 impl Grazing {
@@ -151,33 +158,38 @@ impl LinearStart {
             let first_elastic = more.omega.iter().position(|omega| vibrates(structure, *omega)).map(|k| k + 1);
             return Err(HbmError::RigidBodyMode { mode, first_elastic });
         }
-        let shape: Vec<f64> = modes.shapes.col(mode - 1).iter().copied().collect();
-        let unit = free_position(structure, &shape);
         let set = ClosedSet::new(structure.body.matrix(), &rest.closed)?;
-        let w = structure.model.w();
-        let project = |b: &[f64]| -> Vec<f64> {
-            (0..w.ncols()).map(|i| (0..w.nrows()).map(|d| w[(d, i)] * b[d]).sum()).collect()
-        };
-        let y_unit = project(&unit);
-        let y_rest: Vec<f64> = project(&rest.b).iter().zip(structure.body.gaps()).map(|(y, g)| y + g).collect();
-        let guards: Vec<f64> = (0..w.ncols()).map(|i| set.guard_value(i, &y_rest)).collect();
-        let slopes: Vec<f64> = (0..w.ncols()).map(|i| set.guard_value(i, &y_unit)).collect();
-        let largest = structure.model.dofs().iter().zip(&shape).filter(|(dof, _)| dof.kind != DofKind::Rotation);
-        let largest = max_norm(largest.map(|(_, v)| *v));
+        let Felt { unit, slopes, largest } = Felt::of(structure, &set, &modes, mode);
+        let y_rest = projected(structure, &rest.b);
+        let y_rest: Vec<f64> = y_rest.iter().zip(structure.body.gaps()).map(|(y, g)| y + g).collect();
+        let guards: Vec<f64> = (0..y_rest.len()).map(|i| set.guard_value(i, &y_rest)).collect();
         let ratio = max_norm(slopes.iter().copied()) / largest;
-        let moving: Vec<usize> = (0..w.ncols()).filter(|&i| slopes[i].abs() > NO_MOTION * largest).collect();
+        let moving: Vec<usize> = (0..slopes.len()).filter(|&i| slopes[i].abs() > NO_MOTION * largest).collect();
         let touching = moving.iter().copied().filter(|&i| !rest.closed[i] && guards[i].abs() <= rest.noise).collect();
         let start = Self { mode, omega, rest, unit, guards, slopes, moving, touching, ratio };
         if ratio < NO_MOTION { Err(start.never_touches(structure)) } else { Ok(start) }
     }
 
     fn never_touches(&self, structure: &CondensedStructure) -> HbmError {
-        let (mode, frequency_hz) = (self.mode, self.omega / std::f64::consts::TAU);
-        if has_mass_behind_contacts(structure) {
-            HbmError::NeverTouches { mode, frequency_hz, ratio: self.ratio }
-        } else {
-            HbmError::NoMassBehindContacts { mode, frequency_hz }
+        let (mode, frequency_hz) = (self.mode, self.omega / TAU);
+        if !has_mass_behind_contacts(structure) {
+            return HbmError::NoMassBehindContacts { mode, frequency_hz };
         }
+        let first = self.next_that_moves_contacts(structure).ok().flatten();
+        let is_pressed = self.rest.closed.contains(&true);
+        HbmError::NeverTouches { mode, frequency_hz, ratio: self.ratio, is_pressed, first }
+    }
+
+    /// The next mode that moves a contact, of those that are looked at, and its frequency, Hz.
+    fn next_that_moves_contacts(&self, structure: &CondensedStructure) -> Result<Option<(usize, f64)>, HbmError> {
+        let set = ClosedSet::new(structure.body.matrix(), &self.rest.closed)?;
+        let modes = modes_at_rest(structure, &self.rest, self.mode + LOOKED_AT)?;
+        let moves = |mode: &usize| {
+            let felt = Felt::of(structure, &set, &modes, *mode);
+            max_norm(felt.slopes.iter().copied()) >= NO_MOTION * felt.largest
+        };
+        let first = (self.mode + 1..=modes.omega.len()).find(moves);
+        Ok(first.map(|mode| (mode, modes.omega[mode - 1] / TAU)))
     }
 
     /// The contact, none that touches at rest, whose guard reaches zero first as the mode grows, and the amplitude that
@@ -195,8 +207,38 @@ impl LinearStart {
         // A contact that presses hardly moves `b` before it opens: what it moves then is what this energy does to the
         // structure.
         let length = largest.max(2.0 * (energy * self.rest.compliance).sqrt());
-        Grazing { mode: self.mode, omega: self.omega, energy, contact, mean: self.rest.b, fundamental, length, opening }
+        let lifts_off = self.rest.closed[contact];
+        let (mode, omega, mean) = (self.mode, self.omega, self.rest.b);
+        Grazing { mode, omega, energy, contact, mean, fundamental, length, opening, lifts_off }
     }
+}
+
+/// What the contacts feel of a linear mode.
+struct Felt {
+    /// `b` of the mass-normalised mode.
+    unit: Vec<f64>,
+    /// Guard of each contact by it.
+    slopes: Vec<f64>,
+    /// Its largest displacement.
+    largest: f64,
+}
+
+impl Felt {
+    fn of(structure: &CondensedStructure, set: &ClosedSet, modes: &LinearModes, mode: usize) -> Self {
+        let shape: Vec<f64> = modes.shapes.col(mode - 1).iter().copied().collect();
+        let unit = free_position(structure, &shape);
+        let y = projected(structure, &unit);
+        let slopes = (0..y.len()).map(|i| set.guard_value(i, &y)).collect();
+        let displaced = structure.model.dofs().iter().zip(&shape).filter(|(dof, _)| dof.kind != DofKind::Rotation);
+        let largest = max_norm(displaced.map(|(_, v)| *v));
+        Self { unit, slopes, largest }
+    }
+}
+
+/// `Wᵀ b`.
+fn projected(structure: &CondensedStructure, b: &[f64]) -> Vec<f64> {
+    let w = structure.model.w();
+    (0..w.ncols()).map(|i| (0..w.nrows()).map(|d| w[(d, i)] * b[d]).sum()).collect()
 }
 
 /// The structure at rest, pressed against the stops whose gaps are negative.
@@ -360,6 +402,7 @@ mod tests {
     #[test]
     fn contacts_touch_at_rest_where_one_of_them_had_to_stand_back() {
         let at = |opening: &[f64]| Grazing {
+            lifts_off: false,
             mode: 1,
             omega: 1.0,
             energy: 1.0,

@@ -8,6 +8,8 @@ use std::fmt;
 pub enum Event {
     /// Grazing: the linear mode just touches a stop, and the branch starts here.
     Grazing,
+    /// Lift-off: a stop that presses at rest is about to be left by the linear mode, and the branch starts here.
+    LiftOff,
     /// The branch starts elsewhere.
     Start,
     /// The parameter along the branch turns: the averaged kinetic energy of a nonlinear mode, frequency or force level
@@ -45,8 +47,9 @@ pub enum Event {
 
 impl Event {
     /// All events.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::Grazing,
+        Self::LiftOff,
         Self::Start,
         Self::Fold,
         Self::FrequencyFold,
@@ -69,6 +72,7 @@ impl Event {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Grazing => "grazing",
+            Self::LiftOff => "lift-off",
             Self::Start => "start",
             Self::Fold => "fold",
             Self::FrequencyFold => "frequency-fold",

@@ -105,6 +105,11 @@ impl ModalPoint {
         self.events.contains(&event)
     }
 
+    /// Whether the linear mode ends here, since a stop is touched or left.
+    pub fn leaves_linear_mode(&self) -> bool {
+        self.has_event(Event::Grazing) || self.has_event(Event::LiftOff)
+    }
+
     /// Share of harmonic `n` in the averaged kinetic energy; zero for harmonics beyond the highest.
     pub fn harmonic_share(&self, n: usize) -> f64 {
         let total: f64 = self.harmonic_energy.iter().sum();

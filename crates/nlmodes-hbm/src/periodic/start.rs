@@ -69,10 +69,11 @@ pub fn modal_lift_off(structure: &ModalStructure, at: ModeAtRest<'_>) -> Result<
     let (largest, most) = (max_norm(guards.iter().copied()), max_norm(slopes.iter().copied()));
     let felt = (0..c).filter(|&i| slopes[i].abs() > UNFELT * most);
     let first = felt.map(|i| (i, -guards[i] / slopes[i])).min_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-    let never = HbmError::NeverTouches { mode: at.mode, frequency_hz: omega / TAU, ratio: 0.0 };
-    let (contact, amplitude) = first.ok_or(never)?;
     // Open contacts have the gaps that they were given, those of a pressed rest come from its forces.
     let is_pressed = at.closed.contains(&true);
+    let frequency_hz = omega / TAU;
+    let never = HbmError::NeverTouches { mode: at.mode, frequency_hz, ratio: 0.0, is_pressed, first: None };
+    let (contact, amplitude) = first.ok_or(never)?;
     if guards[contact] <= if is_pressed { ROUNDING * largest } else { 0.0 } {
         return Err(HbmError::TouchesAtRest { contact, gap: structure.gaps()[contact] });
     }

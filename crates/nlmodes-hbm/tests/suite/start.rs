@@ -39,6 +39,27 @@ fn a_stop_at_a_node_of_the_mode_is_never_touched() {
     }
 }
 
+/// With the middle pressed the halves vibrate alike or against each other at one frequency: the latter changes no force.
+#[test]
+fn a_pressed_mode_that_leaves_its_stop_alone_names_the_next_one_that_lifts_off() {
+    let of = |gap: f64| {
+        let chain = chain_between_walls(7, 3);
+        let contacts = vec![Contact::rigid(3, Side::Positive, gap)];
+        let (m, k, dofs) = (chain.mass().clone(), chain.stiffness().clone(), chain.dofs().to_vec());
+        condense(&StructuralModel::new(m, k, dofs, contacts).unwrap())
+    };
+    let pressed = of(-0.1);
+    let [first, third] = [1, 3].map(|mode| grazing(&pressed, mode).unwrap());
+    assert!(first.lifts_off && third.lifts_off && !grazing(&of(0.1), 1).unwrap().lifts_off);
+    let error = grazing(&pressed, 2).unwrap_err();
+    let HbmError::NeverTouches { mode: 2, is_pressed: true, first: Some((3, hz)), .. } = error else {
+        panic!("{error}");
+    };
+    assert!((2.0 * PI * hz / third.omega - 1.0).abs() < 1e-12, "{hz}");
+    let said = error.to_string();
+    assert!(said.contains("never lifts off") && said.contains("the next one that does is mode 3"), "{said}");
+}
+
 /// The mode touches the stop that it meets first once a period and comes no further at any other; nothing stands back.
 #[test]
 fn a_mode_at_grazing_just_touches_the_stop_that_it_meets_first() {

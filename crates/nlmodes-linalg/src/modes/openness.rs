@@ -69,7 +69,7 @@ impl Known<'_> {
         let value = |k: usize| if modes.eigenvalues[k] > 0.0 { modes.eigenvalues[k] } else { sums[k].energy };
         let deviation = |k: usize| (sums[k].stiffness + value(k).powi(2) * sums[k].mass).sqrt();
         let deviations: Vec<f64> = (0..modes.eigenvalues.len()).map(deviation).collect();
-        let strainless = self.strainless(modes, &deviations, &value);
+        let strainless = self.strainless(modes, &deviations, value);
         let limit = |k: usize| if value(k).abs() <= UNCERTAIN * deviations[k] { UNCERTAIN } else { self.suspect() };
         let unseen = (0..strainless).map(|k| limit(k) * deviations[k]).fold(0.0, f64::max);
         Openness { deviations, strainless, unseen }

@@ -27,9 +27,9 @@ row! {
              does";
         residual: f64, "", "norm of the scaled residual";
         event: Vec<Event>, "",
-            "what happened here, names separated by spaces: grazing, start, fold, frequency-fold, branch-point, \
-             kink, contact-change, stability-change, period-doubling, neimark-sacker, tongue-foot, resumed, \
-             other-mode, harmonics, harmonics-unproven, harmonics-no-help, accuracy-limit";
+            "what happened here, names separated by spaces: grazing, lift-off, start, fold, frequency-fold, \
+             branch-point, kink, contact-change, stability-change, period-doubling, neimark-sacker, tongue-foot, \
+             resumed, other-mode, harmonics, harmonics-unproven, harmonics-no-help, accuracy-limit";
         resonance: Option<InternalResonance>, "",
             "internal resonance in which the motion takes part, `n:mode k`: harmonic n drives linear mode k";
         stable: Option<bool>, "", "whether small disturbances stay small; empty where it was not found out";

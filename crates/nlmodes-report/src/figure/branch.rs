@@ -112,7 +112,7 @@ impl<'a> BranchFigure<'a> {
     fn grazing_start<'p>(&self, branch: &'p ModalBranch) -> Option<&'p ModalPoint> {
         let mut visible = branch.points.iter().filter(|point| self.is_visible(point));
         let ends = [visible.clone().next(), visible.next_back()];
-        ends.into_iter().flatten().find(|point| point.has_event(Event::Grazing))
+        ends.into_iter().flatten().find(|point| point.leaves_linear_mode())
     }
 
     fn linear_modes(&self, start: f64) -> Vec<Curve> {

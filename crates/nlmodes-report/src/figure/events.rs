@@ -4,8 +4,9 @@ use nlmodes_modal::Event;
 
 use crate::chart::{Key, LegendEntry, Shape};
 
-const KNOWN: [(Event, Shape, &str); 9] = [
+const KNOWN: [(Event, Shape, &str); 10] = [
     (Event::Grazing, Shape::Circle, "#222222"),
+    (Event::LiftOff, Shape::Circle, "#222222"),
     (Event::Fold, Shape::Triangle, "#222222"),
     (Event::BranchPoint, Shape::Square, "#222222"),
     (Event::Kink, Shape::Diamond, "#aa3377"),
@@ -16,7 +17,7 @@ const KNOWN: [(Event, Shape, &str); 9] = [
     (Event::Resumed, Shape::Plus, "#222222"),
 ];
 /// Events that are drawn above all others, the last one on top.
-const TOPMOST: [Event; 3] = [Event::Grazing, Event::Kink, Event::BranchPoint];
+const TOPMOST: [Event; 4] = [Event::Grazing, Event::LiftOff, Event::Kink, Event::BranchPoint];
 const FURTHER: [Shape; 3] = [Shape::Star, Shape::TriangleDown, Shape::Pentagon];
 const FURTHER_COLORS: [&str; 2] = ["#777777", "#b87700"];
 
@@ -49,6 +50,7 @@ impl EventSymbols {
     pub fn meaning(event: Event) -> &'static str {
         match event {
             Event::Grazing => "the motion just touches a stop; below it the mode is the linear one",
+            Event::LiftOff => "a stop that presses at rest is just left; below it the mode is that of the closed stop",
             Event::Start => "the branch was begun here",
             Event::Fold => "the averaged energy of a mode, or what a response is drawn over, has a maximum or minimum",
             Event::FrequencyFold => {

@@ -244,5 +244,5 @@ fn shares(points: &[ModalPoint]) -> (usize, Column) {
 /// The grazing point with which a branch begins or ends.
 fn grazing(branch: &ModalBranch) -> Option<usize> {
     let last = branch.points.len().checked_sub(1)?;
-    [0, last].into_iter().find(|index| branch.points[*index].has_event(Event::Grazing))
+    [0, last].into_iter().find(|index| branch.points[*index].leaves_linear_mode())
 }

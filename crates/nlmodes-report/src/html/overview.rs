@@ -138,9 +138,8 @@ fn first_and_last(branch: &ModalBranch) -> Option<(&ModalPoint, &ModalPoint, Str
 /// Start and end of the only branch.
 fn ends(branch: &ModalBranch) -> Vec<(String, String)> {
     let Some((first, last, change)) = first_and_last(branch) else { return Vec::new() };
-    let start = match first.has_event(Event::Grazing) {
-        // A stop that presses is closed for the whole period up to there.
-        true if first.contact_fraction >= 1.0 => "where the stop is first left",
+    let start = match first.leaves_linear_mode() {
+        true if first.has_event(Event::LiftOff) => "where the stop is first left",
         true => "where the stop is first touched",
         false => "at the first point",
     };

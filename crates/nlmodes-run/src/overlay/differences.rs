@@ -180,7 +180,7 @@ fn first_arm(points: &[ModalPoint], equal: Equal) -> Range<usize> {
         let [a, b] = [from, 1 - from].map(|k| equal.value(&pair[k]));
         b > a || (pair[1].has_event(Event::Resumed) && (b - a).abs() <= SAME * a)
     };
-    let grazes = |point: Option<&ModalPoint>| point.is_some_and(|point| point.has_event(Event::Grazing));
+    let grazes = |point: Option<&ModalPoint>| point.is_some_and(ModalPoint::leaves_linear_mode);
     if grazes(points.first()) {
         0..1 + points.windows(2).take_while(|pair| goes_on(pair, 0)).count()
     } else if grazes(points.last()) {

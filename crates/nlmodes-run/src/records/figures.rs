@@ -71,7 +71,7 @@ fn frequency(title: &str, found: &[&RecordExtraction], beside: &[Laid]) -> Resul
         // Without its event the axis does not go down to the linear mode at amplitude zero.
         let mut close = beside.to_vec();
         let starts = close.iter_mut().filter_map(|laid| laid.branch.points.first_mut());
-        starts.for_each(|point| point.events.retain(|event| *event != Event::Grazing));
+        starts.for_each(|point| point.events.retain(|event| !matches!(event, Event::Grazing | Event::LiftOff)));
         let figure = frequency_figure(title, &in_contact, &close)?;
         all.push(drawn("frequency_contact.svg", "Frequency over modal amplitude, with contact", figure));
     }

@@ -5,7 +5,7 @@ use nlmodes::modal::Event;
 use super::Curve;
 
 /// Events at which a branch has a kink: no smooth curve passes through them.
-const CORNERS: [Event; 4] = [Event::Kink, Event::BranchPoint, Event::ContactChange, Event::Grazing];
+const CORNERS: [Event; 5] = [Event::Kink, Event::BranchPoint, Event::ContactChange, Event::Grazing, Event::LiftOff];
 
 /// A value between points, with the result of lower-order interpolation.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -247,7 +247,11 @@ fn plural(harmonics: usize) -> String {
 pub(super) fn branch_end(stop: &StopReason, tracer: &Tracer, n_points: usize) -> BranchEnd {
     let (frequency, dim) = (tracer.problem.frequency_index(), tracer.problem.dim());
     let (start, settings) = (tracer.grazing, &tracer.settings);
-    let reference = if start.touches_at_rest() { "the start" } else { "grazing" };
+    let reference = match start.touches_at_rest() {
+        true => "the start",
+        false if start.lifts_off => "lift-off",
+        false => "grazing",
+    };
     let stop = match stop {
         StopReason::Stopped if n_points >= settings.max_points => &StopReason::MaxPoints,
         stop => stop,

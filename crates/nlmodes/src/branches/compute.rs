@@ -111,7 +111,11 @@ fn with_modes(
     let mut tracer = Tracer::new(&structure, &start, settings, fewest, log)?;
     let seed = seed(&structure, settings, &start, &mut tracer.problem, tracer.log)?;
     let from_grazing = settings.start == BranchStart::Grazing && !start.touches_at_rest();
-    let start_event = if from_grazing { Event::Grazing } else { Event::Start };
+    let start_event = match from_grazing {
+        true if start.lifts_off => Event::LiftOff,
+        true => Event::Grazing,
+        false => Event::Start,
+    };
     settings.watch.begins(FOLLOWING)?;
     let (traced, not_followed) = match (settings.at_branch_point, settings.internal_resonance) {
         (BranchPointRule::All, _) => all(&mut tracer, &seed, start_event, observe)?,

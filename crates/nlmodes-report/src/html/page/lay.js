@@ -77,7 +77,7 @@ function difference(laid, own) {
   };
   // From grazing on, as long as their size grows, two branches go the same way.
   const firstArm = branch => {
-    const last = branch[id].length - 1, grazes = k => (branch.events[k] || []).includes("grazing");
+    const last = branch[id].length - 1, grazes = k => (branch.events[k] || []).some(event => event === "grazing" || event === "lift-off");
     const [start, step] = grazes(0) ? [0, 1] : grazes(last) ? [last, -1] : [0, 0];
     if (!step) return [0, -1];
     let end = start;

@@ -73,7 +73,7 @@ impl Stretch {
             accurate: Vec::new(),
             changes: Vec::new(),
             back: 0,
-            from_grazing: matches!(first, First::Named(Event::Grazing)),
+            from_grazing: matches!(first, First::Named(Event::Grazing | Event::LiftOff)),
         }
     }
 
