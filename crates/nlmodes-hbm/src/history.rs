@@ -1,6 +1,6 @@
 use std::f64::consts::{PI, TAU};
 
-use nlmodes_modal::{ContactInstant, TimeHistory};
+use nlmodes_modal::{ClosedSpan, ContactInstant, TimeHistory};
 use nlmodes_model::DofContact;
 
 use crate::closed_set::ClosedSet;
@@ -118,6 +118,18 @@ impl ContactOperator {
         all
     }
 
+    /// The spans of a period in which each contact is closed, with its force: a series for each contact pattern.
+    pub(crate) fn closed_spans(&self) -> Vec<Vec<ClosedSpan>> {
+        let mut all = vec![Vec::new(); self.y.len()];
+        for (from, to, set) in self.whole_period() {
+            let set = self.sets.get(set);
+            for &i in &set.active {
+                all[i].push(ClosedSpan { from, to, force: self.combination(set.force_row(i)).z });
+            }
+        }
+        all
+    }
+
     pub(crate) fn set_at(&self, tau: f64) -> usize {
         let tau = if self.series.symmetry == Symmetry::Even && tau > PI { TAU - tau } else { tau };
         let at = self.intervals.partition_point(|i| i.to < tau).min(self.intervals.len() - 1);
@@ -187,6 +199,15 @@ impl MixedShooting<'_> {
         self.solve_contact(x)?;
         let contacts = self.structure().model().contacts();
         Ok(self.sweep.time_histories(contacts, self.omega(x), samples, label))
+    }
+
+    /// The spans of a period in which each contact is closed at the point with the unknowns `x`, with its force.
+    ///
+    /// # Errors
+    /// [`HbmError`] if the contact problem has no solution there.
+    pub fn closed_spans(&mut self, x: &[f64]) -> Result<Vec<Vec<ClosedSpan>>, HbmError> {
+        self.solve_contact(x)?;
+        Ok(self.sweep.closed_spans())
     }
 
     /// Largest violations of `0 ≤ g ⊥ λ ≥ 0` over `samples` instants of a period of the point with the unknowns `x`.

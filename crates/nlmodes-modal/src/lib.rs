@@ -43,6 +43,7 @@ mod noise;
 mod participation;
 mod resonance;
 mod restitution;
+mod sliding;
 mod stability;
 
 pub use basis::HarmonicBasis;
@@ -63,4 +64,5 @@ pub use noise::noise_level;
 pub use participation::Participation;
 pub use resonance::{DETUNING, InternalResonance, RESONANT_SHARE, Tongue, tongues};
 pub use restitution::{Impact, Restitution, RestitutionStatistics};
+pub use sliding::{ClosedSpan, Sliding};
 pub use stability::Stability;
