@@ -17,7 +17,7 @@ use nlmodes::branches::{
 use nlmodes::modal::{EndReason, ModalBranch, Participation};
 use nlmodes::model::{MasslessContactModel, StructuralModel};
 use nlmodes_scene::SceneFile;
-use nlmodes_scene::assemble::{OpenStructure, StaticState, Structures};
+use nlmodes_scene::assemble::{OpenStructure, StaticState, Structures, node_contacts};
 use nlmodes_scene::scene::Scene;
 
 use crate::certificate::{Certificate, Sources};
@@ -33,7 +33,7 @@ use crate::physical::recover;
 use crate::settings::{Checked, Models, branch_settings, models, models_sharing, starts};
 use crate::style::style_of;
 use crate::updating::updated;
-use crate::{Event, Failure, Observer, Over, RunError, doubts, links, mass, no_contact, refusal};
+use crate::{Event, Failure, Observer, Over, RunError, doubts, links, mass, no_contact, refusal, sliding};
 use curve::BranchCurve;
 use sink::{Sink, branch_directory};
 
@@ -131,6 +131,7 @@ fn one_branch(
     let certificates: Vec<Certificate> =
         tree.branches.iter().map(|branch| Certificate::of(branch, sources, &mut look)).collect();
     let found = whole(scene, &model, &massless, &modes, &tree);
+    let slid = slid(scene, (&model, open.as_ref()), structures, &mut tree.branches);
     recover(scene, (open.as_ref(), state.as_ref()), &mut tree.branches);
     let laid = tree.branches.first().map(|first| Overlaid::new(laid, &BranchCurve::new(first, &[], state.as_ref())));
     let (written, linear, participation) = match found {
@@ -154,7 +155,7 @@ fn one_branch(
                 Some(laid) => write(scene, &about, (&tree, &curves, &certificates, laid), began),
                 None => Ok(()),
             };
-            let written = written.and(period.map(drop));
+            let written = written.and(period.map(drop)).and(slid);
             (written, linear, participation)
         }
         Err(error) => (Err(error), LinearFrequencies::default(), Vec::new()),
@@ -177,6 +178,18 @@ fn one_branch(
     missing.for_each(|text| observer.event(Event::Warning(&text)));
     observer.event(Event::Done(&part));
     Ok(part)
+}
+
+/// Says how the contacts of the branches slide.
+fn slid(
+    scene: &Scene,
+    (model, open): (&StructuralModel, Option<&OpenStructure>),
+    structures: &Structures,
+    branches: &mut [ComputedBranch],
+) -> Result<(), Failure> {
+    let found = if open.is_some() { None } else { node_contacts(scene, structures)? };
+    let nodes = open.map_or(found.as_ref(), |open| open.files.as_ref());
+    sliding::of_branches(scene, (model, open), nodes, branches)
 }
 
 /// Whether a run of the scene would begin, with each of its numbers of harmonics.

@@ -24,7 +24,7 @@ use nlmodes_linalg::{Digits, LinalgError};
 use nlmodes_reduction::ReductionError;
 use thiserror::Error;
 
-pub use open::{OpenStructure, dofs, free_modes};
+pub use open::{NodeContacts, OpenStructure, dofs, free_modes, node_contacts};
 pub use places::{Body, node_weights};
 pub use shared::Structures;
 pub use static_loads::StaticState;

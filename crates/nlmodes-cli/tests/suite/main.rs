@@ -15,6 +15,7 @@ mod messages;
 mod responses;
 mod results_files;
 mod shooting;
+mod sliding;
 mod static_loads;
 mod structures;
 mod studies;
