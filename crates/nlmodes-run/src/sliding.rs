@@ -140,7 +140,7 @@ impl Tangents {
     ) -> Vec<Option<Sliding>> {
         let of = |(contact, spans): (usize, &Vec<ClosedSpan>)| {
             let known: Option<Vec<(Vec<Complex64>, f64)>> =
-                self.of_contact(contact).map(|j| moves(j)).map(|(series, size)| Some((series?, size))).collect();
+                self.of_contact(contact).map(&moves).map(|(series, size)| Some((series?, size))).collect();
             // Modes of a structure whose motions do not couple are known to the root of rounding.
             let is_motion = |(series, size): &(Vec<Complex64>, f64)| speed(series) > f64::EPSILON.sqrt() * size;
             let moving: Vec<Vec<Complex64>> = known?.into_iter().filter(is_motion).map(|(series, _)| series).collect();

@@ -52,10 +52,11 @@ fn is_empty(row: &Row) -> bool {
 /// `count` equal bodies that move along x and z, each of two springs, that do not feel each other.
 fn bodies(folder: &Path, count: usize) -> Outcome {
     let [kx, kz, m] = BODY;
-    let each = |x: f64, z: f64| (0..2 * count).map(|i| (i, i, if i % 2 == 0 { x } else { z })).collect::<Vec<_>>();
+    let each =
+        |x: f64, z: f64| (0..2 * count).map(|i| (i, i, if i.is_multiple_of(2) { x } else { z })).collect::<Vec<_>>();
     matrix(folder.join("k.mtx"), &each(kx, kz), 2 * count)?;
     matrix(folder.join("m.mtx"), &each(m, m), 2 * count)?;
-    let row = |i: usize| format!("{},{},u{}\n", i + 1, 1 + i / 2, if i % 2 == 0 { "x" } else { "z" });
+    let row = |i: usize| format!("{},{},u{}\n", i + 1, 1 + i / 2, if i.is_multiple_of(2) { "x" } else { "z" });
     Ok(fs::write(folder.join("dofs.csv"), (0..2 * count).map(row).collect::<String>())?)
 }
 
