@@ -40,8 +40,7 @@ impl ContactOperator {
         label: &str,
     ) -> TimeHistory {
         let of = contacts[contact];
-        let instants = self.instants(contact, omega);
-        let mut history = TimeHistory { instants, ..TimeHistory::empty(label, of.side.sign() * of.gap) };
+        let mut history = self.empty((contact, &of), omega, label);
         let mut at = [0, 1, 2].map(|_| vec![0.0; self.y.len()]);
         for j in 0..=samples {
             let tau = TAU * j as f64 / samples as f64;
@@ -61,7 +60,25 @@ impl ContactOperator {
         samples: usize,
         label: &str,
     ) -> Vec<TimeHistory> {
-        (0..contacts.len()).map(|contact| self.time_history(contacts, contact, omega, samples, label)).collect()
+        let phases = (0..=samples).map(|j| TAU * j as f64 / samples as f64);
+        let mut histories: Vec<TimeHistory> =
+            contacts.iter().enumerate().map(|of| self.empty(of, omega, label)).collect();
+        let mut at = [0, 1, 2].map(|_| vec![0.0; self.y.len()]);
+        for tau in phases {
+            let set = self.sets.get(self.set_at(tau));
+            self.free_gaps_at(tau, &mut at);
+            for (i, (history, of)) in histories.iter_mut().zip(contacts).enumerate() {
+                let (gap, force) = state_in(set, i, of.law.compliance(), &at);
+                history.push(tau / omega, along(of, omega, gap), force);
+            }
+        }
+        histories
+    }
+
+    /// A history of a contact without instants but those at which it closes and opens.
+    fn empty(&self, (contact, of): (usize, &DofContact), omega: f64, label: &str) -> TimeHistory {
+        let instants = self.instants(contact, omega);
+        TimeHistory { instants, ..TimeHistory::empty(label, of.side.sign() * of.gap) }
     }
 
     /// Motion and force of all contacts, exact at the instants of contact.
@@ -72,11 +89,8 @@ impl ContactOperator {
         samples: usize,
         label: &str,
     ) -> Vec<TimeHistory> {
-        let empty = |(i, of): (usize, &DofContact)| TimeHistory {
-            instants: self.instants(i, omega),
-            ..TimeHistory::empty(label, of.side.sign() * of.gap)
-        };
-        let mut histories: Vec<TimeHistory> = contacts.iter().enumerate().map(empty).collect();
+        let mut histories: Vec<TimeHistory> =
+            contacts.iter().enumerate().map(|of| self.empty(of, omega, label)).collect();
         let mut at = [0, 1, 2].map(|_| vec![0.0; self.y.len()]);
         let stretches: Vec<(f64, f64, usize)> = self.whole_period();
         let mut last = f64::NEG_INFINITY;

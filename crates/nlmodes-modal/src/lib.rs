@@ -47,7 +47,7 @@ mod sliding;
 mod stability;
 
 pub use basis::HarmonicBasis;
-pub use branch::{Coordinate, Driven, ModalBranch, ModalPoint};
+pub use branch::{Coordinate, Driven, ModalBranch, ModalPoint, PeakStress};
 pub use branch_end::{BranchEnd, EndReason};
 pub use coefficients::HarmonicCoefficients;
 pub use contact_interval::{ContactInterval, contact_intervals};

@@ -255,6 +255,9 @@ pub enum Section {
         shear_factor: f64,
         /// Poisson's ratio.
         poissons_ratio: f64,
+        /// Distance of the outermost fibre from the bending axis, m, where it is known.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        outer_fibre: Option<f64>,
     },
 }
 

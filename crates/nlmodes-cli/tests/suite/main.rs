@@ -17,6 +17,7 @@ mod results_files;
 mod shooting;
 mod sliding;
 mod static_loads;
+mod stress;
 mod structures;
 mod studies;
 mod updating;
