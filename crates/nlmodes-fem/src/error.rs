@@ -52,6 +52,20 @@ pub enum FemError {
         /// Outer diameter, m.
         outer: f64,
     },
+    /// A solid element whose volume is not positive.
+    #[error("element {element} has no volume, or its nodes stand in another order")]
+    InsideOut {
+        /// The element, counted from 0.
+        element: usize,
+    },
+    /// A solid element with other nodes than its shape has, or with one that does not exist.
+    #[error("element {element} has to have {expected} nodes of the mesh")]
+    SolidNodes {
+        /// The element, counted from 0.
+        element: usize,
+        /// Nodes of its shape.
+        expected: usize,
+    },
     /// A mesh without elements.
     #[error("a mesh needs at least one element")]
     NoElements,

@@ -19,6 +19,9 @@
 //! | `Φ` | shear parameter of an element | – | [`timoshenko_element`] |
 //! | `g₀` | gap at rest | m | [`Stop::gap`] |
 //!
+//! Stress is recovered from displacements: along rods and beams by [`StressRow`]s, at the nodes of solid elements of
+//! any mesh by [`NodalStress`].
+//!
 //! Units are given in SI, but any consistent system works, for instance millimetres, newtons, tonnes and seconds.
 //!
 //! ```
@@ -51,8 +54,10 @@ mod material;
 mod mesh;
 mod rod;
 mod section;
+mod solid;
 mod step;
 mod stop;
+mod stress;
 mod support;
 mod timoshenko;
 
@@ -62,7 +67,9 @@ pub use material::Material;
 pub use mesh::Mesh;
 pub use rod::{Rod, rod_element};
 pub use section::Section;
+pub use solid::{Elastic, NodalStress, Solid, SolidShape, largest_principal, von_mises};
 pub use step::Step;
 pub use stop::{Direction, Stop};
+pub use stress::StressRow;
 pub use support::Support;
 pub use timoshenko::{Beam, timoshenko_element};

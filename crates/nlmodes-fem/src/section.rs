@@ -7,6 +7,7 @@ pub struct Section {
     area: f64,
     second_moment: f64,
     shear_factor: f64,
+    outer_fibre: Option<f64>,
 }
 
 impl Section {
@@ -22,6 +23,7 @@ impl Section {
             area: positive("cross-section area", area)?,
             second_moment: positive("second moment of area", second_moment)?,
             shear_factor: Self::DEFAULT_SHEAR_FACTOR,
+            outer_fibre: None,
         })
     }
 
@@ -31,7 +33,7 @@ impl Section {
     /// [`FemError::NotPositive`].
     pub fn rectangle(width: f64, height: f64) -> Result<Self, FemError> {
         let (w, h) = (positive("section width", width)?, positive("section height", height)?);
-        Self::new(w * h, w * h.powi(3) / 12.0)
+        Self::new(w * h, w * h.powi(3) / 12.0)?.with_outer_fibre(0.5 * h)
     }
 
     /// Tube, or a round bar if the wall is half of the outer diameter: `A = π (D² − d²)/4`, `I = π (D⁴ − d⁴)/64` with
@@ -56,7 +58,7 @@ impl Section {
         let (ratio, nu) = ((inner / outer).powi(2), poissons_ratio);
         let plus = (1.0 + ratio).powi(2);
         let shear_factor = 6.0 * (1.0 + nu) * plus / ((7.0 + 6.0 * nu) * plus + (20.0 + 12.0 * nu) * ratio);
-        Self::new(area, area * squares / 16.0)?.with_shear_factor(shear_factor)
+        Self::new(area, area * squares / 16.0)?.with_shear_factor(shear_factor)?.with_outer_fibre(0.5 * outer)
     }
 
     /// The same section with another shear factor `κ`: `κ A` is the area that carries a uniform shear stress.
@@ -67,6 +69,14 @@ impl Section {
         Ok(Self { shear_factor: positive("shear factor", shear_factor)?, ..self })
     }
 
+    /// The same section with its outermost fibre at another distance from the bending axis, m.
+    ///
+    /// # Errors
+    /// [`FemError::NotPositive`].
+    pub fn with_outer_fibre(self, distance: f64) -> Result<Self, FemError> {
+        Ok(Self { outer_fibre: Some(positive("distance of the outermost fibre", distance)?), ..self })
+    }
+
     /// Area `A`, m².
     pub fn area(&self) -> f64 {
         self.area
@@ -75,6 +85,12 @@ impl Section {
     /// Second moment of area `I`, m⁴.
     pub fn second_moment(&self) -> f64 {
         self.second_moment
+    }
+
+    /// Distance of the outermost fibre from the bending axis, m, where it is known: half of the height of a rectangle,
+    /// of the outer diameter of a tube.
+    pub fn outer_fibre(&self) -> Option<f64> {
+        self.outer_fibre
     }
 
     /// Shear factor `κ`.

@@ -18,6 +18,7 @@ impl ContactOperator {
             impulse: mean_force * TAU / omega,
             touches: self.touches(i),
             approach_velocity: omega * self.approach(i),
+            sliding: None,
         };
         self.mean_forces().into_iter().enumerate().map(of).collect()
     }

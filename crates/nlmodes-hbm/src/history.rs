@@ -1,6 +1,6 @@
 use std::f64::consts::{PI, TAU};
 
-use nlmodes_modal::{ContactInstant, TimeHistory};
+use nlmodes_modal::{ClosedSpan, ContactInstant, TimeHistory};
 use nlmodes_model::DofContact;
 
 use crate::closed_set::ClosedSet;
@@ -40,8 +40,7 @@ impl ContactOperator {
         label: &str,
     ) -> TimeHistory {
         let of = contacts[contact];
-        let instants = self.instants(contact, omega);
-        let mut history = TimeHistory { instants, ..TimeHistory::empty(label, of.side.sign() * of.gap) };
+        let mut history = self.empty((contact, &of), omega, label);
         let mut at = [0, 1, 2].map(|_| vec![0.0; self.y.len()]);
         for j in 0..=samples {
             let tau = TAU * j as f64 / samples as f64;
@@ -61,7 +60,25 @@ impl ContactOperator {
         samples: usize,
         label: &str,
     ) -> Vec<TimeHistory> {
-        (0..contacts.len()).map(|contact| self.time_history(contacts, contact, omega, samples, label)).collect()
+        let phases = (0..=samples).map(|j| TAU * j as f64 / samples as f64);
+        let mut histories: Vec<TimeHistory> =
+            contacts.iter().enumerate().map(|of| self.empty(of, omega, label)).collect();
+        let mut at = [0, 1, 2].map(|_| vec![0.0; self.y.len()]);
+        for tau in phases {
+            let set = self.sets.get(self.set_at(tau));
+            self.free_gaps_at(tau, &mut at);
+            for (i, (history, of)) in histories.iter_mut().zip(contacts).enumerate() {
+                let (gap, force) = state_in(set, i, of.law.compliance(), &at);
+                history.push(tau / omega, along(of, omega, gap), force);
+            }
+        }
+        histories
+    }
+
+    /// A history of a contact without instants but those at which it closes and opens.
+    fn empty(&self, (contact, of): (usize, &DofContact), omega: f64, label: &str) -> TimeHistory {
+        let instants = self.instants(contact, omega);
+        TimeHistory { instants, ..TimeHistory::empty(label, of.side.sign() * of.gap) }
     }
 
     /// Motion and force of all contacts, exact at the instants of contact.
@@ -72,11 +89,8 @@ impl ContactOperator {
         samples: usize,
         label: &str,
     ) -> Vec<TimeHistory> {
-        let empty = |(i, of): (usize, &DofContact)| TimeHistory {
-            instants: self.instants(i, omega),
-            ..TimeHistory::empty(label, of.side.sign() * of.gap)
-        };
-        let mut histories: Vec<TimeHistory> = contacts.iter().enumerate().map(empty).collect();
+        let mut histories: Vec<TimeHistory> =
+            contacts.iter().enumerate().map(|of| self.empty(of, omega, label)).collect();
         let mut at = [0, 1, 2].map(|_| vec![0.0; self.y.len()]);
         let stretches: Vec<(f64, f64, usize)> = self.whole_period();
         let mut last = f64::NEG_INFINITY;
@@ -113,6 +127,18 @@ impl ContactOperator {
             match all.last_mut() {
                 Some(last) if last.2 == interval.2 => last.1 = interval.1,
                 _ => all.push(interval),
+            }
+        }
+        all
+    }
+
+    /// The spans of a period in which each contact is closed, with its force: a series for each contact pattern.
+    pub(crate) fn closed_spans(&self) -> Vec<Vec<ClosedSpan>> {
+        let mut all = vec![Vec::new(); self.y.len()];
+        for (from, to, set) in self.whole_period() {
+            let set = self.sets.get(set);
+            for &i in &set.active {
+                all[i].push(ClosedSpan { from, to, force: self.combination(set.force_row(i)).z });
             }
         }
         all
@@ -187,6 +213,15 @@ impl MixedShooting<'_> {
         self.solve_contact(x)?;
         let contacts = self.structure().model().contacts();
         Ok(self.sweep.time_histories(contacts, self.omega(x), samples, label))
+    }
+
+    /// The spans of a period in which each contact is closed at the point with the unknowns `x`, with its force.
+    ///
+    /// # Errors
+    /// [`HbmError`] if the contact problem has no solution there.
+    pub fn closed_spans(&mut self, x: &[f64]) -> Result<Vec<Vec<ClosedSpan>>, HbmError> {
+        self.solve_contact(x)?;
+        Ok(self.sweep.closed_spans())
     }
 
     /// Largest violations of `0 ≤ g ⊥ λ ≥ 0` over `samples` instants of a period of the point with the unknowns `x`.

@@ -10,6 +10,7 @@ mod tributary;
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::Path;
+use std::sync::Arc;
 
 pub(crate) use bulk::included;
 pub use kind::ElementKind;
@@ -56,6 +57,16 @@ impl Expanded {
     }
 }
 
+/// What a deck says of an element beside its nodes.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Behaviour {
+    /// Its type, as `C3D20R`.
+    pub kind: Arc<str>,
+    /// Young's modulus, in the file's unit or in Pa after [`Mesh::scale_stress`], and Poisson's ratio; none of a
+    /// material that is not linear elastic and isotropic, or not there.
+    pub elastic: Option<[f64; 2]>,
+}
+
 /// Nodes with their places, elements, and named sets of nodes.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mesh {
@@ -73,6 +84,8 @@ pub struct Mesh {
     /// Displacements along x, y and z that a deck holds by `*BOUNDARY`, `SPC` or `SPC1`, by the number of the node;
     /// none of a mesh that knows nothing of supports.
     pub supports: Option<BTreeMap<u64, [bool; 3]>>,
+    /// Type in a deck and material of each element, in their order; empty where no deck tells them.
+    pub(crate) behaviours: Vec<Behaviour>,
     index: HashMap<u64, u32>,
     /// Directions of nodes whose displacements are not along the global axes (`CD` of Nastran's `GRID`).
     pub(crate) directions: HashMap<u64, Directions>,
@@ -124,6 +137,18 @@ impl Mesh {
     pub(crate) fn holds(&self, label: DofLabel) -> bool {
         let held = self.supports.as_ref().and_then(|supports| supports.get(&label.node));
         label.component.translation().zip(held).is_some_and(|(axis, held)| held[axis])
+    }
+
+    /// Type in the deck, Young's modulus (Pa) and Poisson's ratio of the element with this index; none where one of
+    /// these is not known.
+    pub fn elasticity(&self, element: usize) -> Option<(&str, [f64; 2])> {
+        let behaviour = self.behaviours.get(element)?;
+        Some((&behaviour.kind, behaviour.elastic?))
+    }
+
+    /// Multiplies all Young's moduli.
+    pub(crate) fn scale_stress(&mut self, factor: f64) {
+        self.behaviours.iter_mut().flat_map(|behaviour| &mut behaviour.elastic).for_each(|[e, _]| *e *= factor);
     }
 
     /// Multiplies all places.

@@ -50,6 +50,8 @@ pub struct ModalPoint {
     pub error_estimate: Option<f64>,
     /// Events at this point.
     pub events: Vec<Event>,
+    /// The largest stress over the period, where it was recovered.
+    pub stress: Option<PeakStress>,
     /// Load, drive point and powers; none of a conservative motion.
     pub driven: Option<Driven>,
 }
@@ -60,6 +62,15 @@ impl ModalPoint {
     pub fn listed_omega(&self) -> f64 {
         self.driven.map_or(self.omega, |driven| driven.omega)
     }
+}
+
+/// The largest stress over a period.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PeakStress {
+    /// Equivalent stress of von Mises, of rods and beams the magnitude of the axial stress, Pa.
+    pub stress: f64,
+    /// Number of the node where it is, of rods and beams the position along the axis, m.
+    pub at: f64,
 }
 
 /// What a point of a damped or driven motion has beside what every motion has.

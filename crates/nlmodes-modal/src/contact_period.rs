@@ -1,3 +1,5 @@
+use crate::Sliding;
+
 /// Quantities of one contact over a period of a motion: duration, force and approach speed.
 ///
 /// The impulse converges with the number of harmonics; the largest force converges slowly, if at all, for short
@@ -16,4 +18,6 @@ pub struct ContactPeriod {
     pub touches: usize,
     /// Largest closing speed at the beginning of contact, m/s; zero without contact.
     pub approach_velocity: f64,
+    /// How it slides; none where its node has no motion within the plane of the contact, or it is not known.
+    pub sliding: Option<Sliding>,
 }

@@ -43,10 +43,11 @@ mod noise;
 mod participation;
 mod resonance;
 mod restitution;
+mod sliding;
 mod stability;
 
 pub use basis::HarmonicBasis;
-pub use branch::{Coordinate, Driven, ModalBranch, ModalPoint};
+pub use branch::{Coordinate, Driven, ModalBranch, ModalPoint, PeakStress};
 pub use branch_end::{BranchEnd, EndReason};
 pub use coefficients::HarmonicCoefficients;
 pub use contact_interval::{ContactInterval, contact_intervals};
@@ -63,4 +64,5 @@ pub use noise::noise_level;
 pub use participation::Participation;
 pub use resonance::{DETUNING, InternalResonance, RESONANT_SHARE, Tongue, tongues};
 pub use restitution::{Impact, Restitution, RestitutionStatistics};
+pub use sliding::{ClosedSpan, Sliding};
 pub use stability::Stability;

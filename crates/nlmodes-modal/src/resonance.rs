@@ -165,6 +165,7 @@ mod tests {
             impulse,
             touches: 1,
             approach_velocity: 0.2,
+            sliding: None,
         };
         at.contacts = vec![contact(0.25), contact(0.0), contact(1.5)];
         assert_eq!(at.impulse(), Some(1.75));

@@ -116,19 +116,28 @@ impl ReducedStructure {
     /// # Panics
     /// If `x` or `open` has another size, or there is no such degree of freedom.
     pub fn displacements(&self, open: &OpenModes, dofs: &[usize], x: &Mat<f64>) -> Mat<f64> {
+        let eta = x.subrows(0, self.rows.ncols()).to_owned();
+        open.displacements(dofs, &eta, &self.contact_forces(x))
+    }
+
+    /// The contact forces `λ` of coordinates `x = (η, u)`, column by column, with `u + Y η = −A f`; of contacts with the
+    /// same direction the first one carries the force of all.
+    ///
+    /// # Panics
+    /// If `x` has another size.
+    pub fn contact_forces(&self, x: &Mat<f64>) -> Mat<f64> {
         let (m, d) = (self.rows.ncols(), self.rows.nrows());
         let eta = x.subrows(0, m).to_owned();
         let off = &self.rows * &eta + x.subrows(m, d);
         let forces = &self.stiffness * &off;
-        let mut lambda = Mat::zeros(open.n_contacts(), x.ncols());
-        // One contact of each direction carries the force of all.
+        let mut lambda = Mat::zeros(self.direction_of.len(), x.ncols());
         let mut carried = vec![false; d];
         for (contact, (direction, sign)) in self.direction_of.iter().enumerate() {
             if !std::mem::replace(&mut carried[*direction], true) {
                 (0..x.ncols()).for_each(|j| lambda[(contact, j)] = -sign * forces[(*direction, j)]);
             }
         }
-        open.displacements(dofs, &eta, &lambda)
+        lambda
     }
 
     /// The coordinates `x = (η, u)` of displacements that are a motion of the reduced structure, column by column:

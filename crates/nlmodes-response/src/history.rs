@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use nlmodes_contact::{LcpMatrix, LcpWorkspace, solver_by_name};
 use nlmodes_hbm::{HbmError, PeriodicMotion};
 use nlmodes_linalg::Mat;
+use nlmodes_modal::ClosedSpan;
 use num_complex::Complex64;
 
 use crate::{ResponseError, ResponseModel};
@@ -121,6 +122,24 @@ impl ContactPattern<'_> {
                 own * force[order][i] + yielded[order] - gap
             });
             ContactState { motion: [structure.gaps()[i] + motion[0], motion[1], motion[2]], force: force[0][i] }
+        };
+        (0..c).map(of).collect()
+    }
+
+    /// The spans of a period in which each contact is closed, with its force: a series for each contact pattern.
+    pub fn closed_spans(&self) -> Vec<Vec<ClosedSpan>> {
+        let c = self.y.len();
+        let force = |s: &Mat<f64>, i: usize| {
+            let mut force = vec![Complex64::default(); self.y.first().map_or(0, Vec::len)];
+            for (j, y) in self.y.iter().enumerate().filter(|(j, _)| s[(i, *j)] != 0.0) {
+                force.iter_mut().zip(y).for_each(|(force, y)| *force += y * s[(i, j)]);
+            }
+            force
+        };
+        let is_closed = |s: &Mat<f64>, i: usize| (0..c).any(|j| s[(i, j)] != 0.0);
+        let of = |i: usize| {
+            let closed = self.stretches.iter().filter(|(_, s)| is_closed(s, i));
+            closed.map(|([from, to], s)| ClosedSpan { from: *from, to: *to, force: force(s, i) }).collect()
         };
         (0..c).map(of).collect()
     }

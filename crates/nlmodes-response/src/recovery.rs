@@ -1,6 +1,6 @@
 //! Displacements of a motion at requested positions, and the work of its load.
 
-use nlmodes_hbm::{PeriodicMotion, ResponseRow};
+use nlmodes_hbm::{LoadTerm, PeriodicMotion, ResponseRow};
 use nlmodes_linalg::sparse_from_triplets;
 use nlmodes_reduction::ReductionError;
 use num_complex::Complex64;
@@ -70,6 +70,25 @@ impl ResponseModel {
         let mut q = vec![Complex64::default(); motion.eta.len()];
         self.add_load(self.residuals().map(|residual| residual[dof]), motion, subharmonic, &mut q);
         q
+    }
+
+    /// What each term of the load moves beyond the modes at its level one, m: of each term the share that goes with the
+    /// cosine of its harmonic, and that which goes with the negative sine.
+    pub fn load_shapes(&self) -> Vec<Vec<f64>> {
+        let parts = |residual: &[Complex64]| -> [Vec<f64>; 2] {
+            [residual.iter().map(|q| q.re).collect(), residual.iter().map(|q| q.im).collect()]
+        };
+        self.residuals().flat_map(parts).collect()
+    }
+
+    /// Coordinates of these shapes at a phase (rad) of a motion.
+    pub fn load_coordinates(&self, motion: &PeriodicMotion, subharmonic: usize, phase: f64) -> Vec<f64> {
+        let omega = motion.at.omega * subharmonic as f64;
+        let of = |term: &LoadTerm| {
+            let (level, angle) = (motion.at.level * omega.powi(term.omega_power), term.harmonic * subharmonic);
+            [level * (angle as f64 * phase).cos(), -level * (angle as f64 * phase).sin()]
+        };
+        self.terms().iter().flat_map(of).collect()
     }
 
     /// Adds to `q` what each term of the load moves at its level one.

@@ -16,13 +16,15 @@ use nlmodes::branches::{
 };
 use nlmodes::modal::{EndReason, ModalBranch, Participation};
 use nlmodes::model::{MasslessContactModel, StructuralModel};
+use nlmodes::report::write_branch;
 use nlmodes_scene::SceneFile;
-use nlmodes_scene::assemble::{OpenStructure, StaticState, Structures};
+use nlmodes_scene::assemble::{OpenStructure, StaticState, Structures, node_contacts};
 use nlmodes_scene::scene::Scene;
 
 use crate::certificate::{Certificate, Sources};
 use crate::claim::Claim;
 use crate::curve::space::Period;
+use crate::curve::stress::{Stress, moves_of_branch};
 use crate::curve::{Curve, LINEAR_MODES, figures, histories, tables};
 use crate::journal::Journal;
 use crate::linear::{LinearFrequencies, frequencies};
@@ -33,7 +35,7 @@ use crate::physical::recover;
 use crate::settings::{Checked, Models, branch_settings, models, models_sharing, starts};
 use crate::style::style_of;
 use crate::updating::updated;
-use crate::{Event, Failure, Observer, Over, RunError, doubts, links, mass, no_contact, refusal};
+use crate::{Event, Failure, Observer, Over, RunError, doubts, links, mass, no_contact, refusal, sliding};
 use curve::BranchCurve;
 use sink::{Sink, branch_directory};
 
@@ -131,7 +133,14 @@ fn one_branch(
     let certificates: Vec<Certificate> =
         tree.branches.iter().map(|branch| Certificate::of(branch, sources, &mut look)).collect();
     let found = whole(scene, &model, &massless, &modes, &tree);
+    let slid = slid(scene, (&model, open.as_ref()), structures, &mut tree.branches);
     recover(scene, (open.as_ref(), state.as_ref()), &mut tree.branches);
+    let stress = Stress::of(scene, open.as_ref(), &[]);
+    let stressed = match &stress {
+        Ok(Some(stress)) => stressed(scene, (stress, open.as_ref()), state.as_ref(), &mut tree.branches),
+        _ => Ok(()),
+    };
+    let solids = stress.as_ref().ok().and_then(|stress| stress.as_ref()?.solids());
     let laid = tree.branches.first().map(|first| Overlaid::new(laid, &BranchCurve::new(first, &[], state.as_ref())));
     let (written, linear, participation) = match found {
         Ok((mut linear, participation)) => {
@@ -141,7 +150,7 @@ fn one_branch(
             let curves: Vec<BranchCurve<'_>> =
                 curves.map(|(one, found)| BranchCurve::new(one, found, state.as_ref())).collect();
             let period = match curves.first().filter(|_| is_shown) {
-                Some(first) => Period::of(open.as_ref(), first),
+                Some(first) => Period::of(open.as_ref(), first, solids),
                 None => Ok(None),
             };
             let found = period.as_ref().ok().and_then(Option::as_ref);
@@ -154,7 +163,8 @@ fn one_branch(
                 Some(laid) => write(scene, &about, (&tree, &curves, &certificates, laid), began),
                 None => Ok(()),
             };
-            let written = written.and(period.map(drop));
+            let written = written.and(period.map(drop)).and(slid).and(stressed);
+            let written = written.and(stress.as_ref().map(drop).map_err(|error| error.to_string().into()));
             (written, linear, participation)
         }
         Err(error) => (Err(error), LinearFrequencies::default(), Vec::new()),
@@ -177,6 +187,34 @@ fn one_branch(
     missing.for_each(|text| observer.event(Event::Warning(&text)));
     observer.event(Event::Done(&part));
     Ok(part)
+}
+
+/// Says how the contacts of the branches slide.
+fn slid(
+    scene: &Scene,
+    (model, open): (&StructuralModel, Option<&OpenStructure>),
+    structures: &Structures,
+    branches: &mut [ComputedBranch],
+) -> Result<(), Failure> {
+    let found = if open.is_some() { None } else { node_contacts(scene, structures)? };
+    let nodes = open.map_or(found.as_ref(), |open| open.files.as_ref());
+    sliding::of_branches(scene, (model, open), nodes, branches)
+}
+
+/// Says how large the stress of the branches is, and writes their tables anew with it.
+fn stressed(
+    scene: &Scene,
+    (stress, open): (&Stress, Option<&OpenStructure>),
+    state: Option<&StaticState>,
+    branches: &mut [ComputedBranch],
+) -> Result<(), Failure> {
+    for (number, computed) in branches.iter_mut().enumerate() {
+        let moves = |point: usize, dofs: &[usize]| moves_of_branch(scene, open, computed, point, dofs);
+        let found = stress.of_points(&BranchCurve::new(computed, &[], state), open, moves)?;
+        computed.branch.points.iter_mut().zip(found).for_each(|(point, found)| point.stress = found);
+        write_branch(branch_directory(&scene.output_directory, number).join("branch.csv"), &computed.branch)?;
+    }
+    Ok(())
 }
 
 /// Whether a run of the scene would begin, with each of its numbers of harmonics.

@@ -7,6 +7,7 @@ pub(crate) mod page;
 pub(crate) mod picture;
 pub(crate) mod space;
 pub(crate) mod stops;
+pub(crate) mod stress;
 pub(crate) mod summary;
 pub(crate) mod tables;
 
@@ -55,43 +56,55 @@ pub(crate) trait Curve {
     /// If the point cannot be evaluated again.
     fn histories(&self, point: usize, samples: usize, label: &str) -> Result<Vec<TimeHistory>, Failure>;
 
-    /// The same at `frames` equidistant instants and the end of the period, with the displacements (m) of these degrees
-    /// of freedom of a structure in free-interface modes; those of the contacts are along the directions of the latter.
+    /// What the loads move statically beyond the modes of a structure in free-interface modes, shape by shape, m.
+    fn load_shapes(&self) -> Vec<Vec<f64>> {
+        Vec::new()
+    }
+
+    /// The coordinates of a structure in free-interface modes at `count` equidistant instants of a period of a point,
+    /// and its contacts there and at the end of the period, along the directions of that structure.
     ///
     /// # Errors
     /// As [`histories`](Self::histories).
-    fn frames(&self, open: &OpenStructure, point: usize, dofs: &[usize], frames: usize) -> Result<Frames, Failure>;
+    fn instants(&self, open: &OpenStructure, point: usize, count: usize) -> Result<Instants, Failure>;
 }
 
-/// A structure over a period.
-pub(crate) struct Frames {
+/// What makes the displacements of a structure in free-interface modes at some instants, a column each.
+pub(crate) struct Instants {
     /// Its contacts.
     pub contacts: Vec<TimeHistory>,
-    /// Displacements, m: degrees of freedom × instants.
-    pub displacements: Mat<f64>,
+    /// Modal coordinates, m √kg.
+    pub eta: Mat<f64>,
+    /// Contact forces, N.
+    pub forces: Mat<f64>,
+    /// Coordinates of the shapes of the loads.
+    pub loads: Mat<f64>,
 }
 
-impl Frames {
-    /// Of contacts that are known and modal coordinates, modes × (H + 1), at `frames` instants.
-    pub fn new(
-        contacts: Vec<TimeHistory>,
-        modal: &HarmonicCoefficients,
-        open: &OpenStructure,
-        dofs: &[usize],
-        frames: usize,
-    ) -> Self {
-        let forces = Mat::from_fn(contacts.len(), frames, |i, k| contacts[i].force[k]);
-        let eta = Mat::from_fn(open.modes.n_modes(), frames, |r, k| {
-            let tau = TAU * k as f64 / frames as f64;
+impl Instants {
+    /// Of contacts that are known and modal coordinates, modes × (H + 1), at `count` instants without loads.
+    pub fn new(contacts: Vec<TimeHistory>, modal: &HarmonicCoefficients, modes: usize, count: usize) -> Self {
+        let forces = Mat::from_fn(contacts.len(), count, |i, k| contacts[i].force[k]);
+        let eta = Mat::from_fn(modes, count, |r, k| {
+            let tau = TAU * k as f64 / count as f64;
             let harmonics = modal.of(r).iter().enumerate();
             harmonics.map(|(n, q)| q.re * (n as f64 * tau).cos() - q.im * (n as f64 * tau).sin()).sum()
         });
-        let mut displacements = open.modes.displacements(dofs, &eta, &forces);
+        Self { contacts, eta, forces, loads: Mat::zeros(0, count) }
+    }
+
+    /// Displacements of these degrees of freedom, m, a row each; with what the static loads move.
+    pub fn displacements(&self, open: &OpenStructure, dofs: &[usize], shapes: &[Vec<f64>]) -> Mat<f64> {
+        let mut found = open.modes.displacements(dofs, &self.eta, &self.forces);
         // What the static loads move beyond the modes.
         let moved = open.state.as_ref().map(|state| open.beyond_modes(state, dofs));
-        for (row, by) in moved.iter().flatten().enumerate() {
-            (0..frames).for_each(|k| displacements[(row, k)] += by);
+        for (row, dof) in dofs.iter().enumerate() {
+            let still = moved.as_ref().map_or(0.0, |moved| moved[row]);
+            for k in 0..found.ncols() {
+                let loads = shapes.iter().enumerate().map(|(j, shape)| shape[*dof] * self.loads[(j, k)]);
+                found[(row, k)] += still + loads.sum::<f64>();
+            }
         }
-        Self { displacements, contacts }
+        found
     }
 }

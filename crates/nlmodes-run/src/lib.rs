@@ -89,6 +89,7 @@ mod refusal;
 pub mod responses;
 mod settings;
 mod sheet;
+mod sliding;
 mod style;
 pub mod updating;
 pub mod verify;

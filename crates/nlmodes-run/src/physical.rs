@@ -123,7 +123,7 @@ pub fn displacements(open: &OpenStructure, x: &[f64]) -> Vec<f64> {
 }
 
 /// Real and imaginary parts, harmonic by harmonic: a column each.
-fn parts(coefficients: &HarmonicCoefficients) -> Mat<f64> {
+pub fn parts(coefficients: &HarmonicCoefficients) -> Mat<f64> {
     let width = coefficients.n_harmonics() + 1;
     Mat::from_fn(coefficients.n_coordinates(), 2 * width, |d, k| {
         let q = coefficients.of(d)[k / 2];
@@ -131,7 +131,8 @@ fn parts(coefficients: &HarmonicCoefficients) -> Mat<f64> {
     })
 }
 
-fn joined(parts: &Mat<f64>) -> HarmonicCoefficients {
+/// Harmonics of real and imaginary parts, a column each.
+pub fn joined(parts: &Mat<f64>) -> HarmonicCoefficients {
     let mut all = HarmonicCoefficients::zeros(parts.nrows(), parts.ncols() / 2 - 1);
     for d in 0..parts.nrows() {
         let harmonics = all.of_mut(d).iter_mut().enumerate();

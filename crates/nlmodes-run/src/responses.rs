@@ -26,6 +26,7 @@ use nlmodes_scene::scene::Scene;
 use crate::certificate::Certificate;
 use crate::claim::Claim;
 use crate::curve::space::Period;
+use crate::curve::stress::{Stress, chosen};
 use crate::curve::{self, Curve, histories};
 use crate::doubts;
 use crate::journal::Journal;
@@ -104,9 +105,14 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
     model.warnings.iter().for_each(|text| observer.event(Event::Warning(text)));
     let journal = Rc::new(RefCell::new(Journal::begun(&file.scene, &claim, observer)?));
     let (scene, curves) = (&file.scene, Vec::new());
-    let mut following = Following { scene, model: &model, claim: &claim, journal, observer, curves };
+    let (stress, failed) = match Stress::of(scene, model.reduction.as_ref(), &model.response().load_shapes()) {
+        Ok(stress) => (stress, None),
+        Err(failure) => (None, Some(failure)),
+    };
+    let stress = stress.as_ref();
+    let mut following = Following { scene, model: &model, claim: &claim, journal, observer, curves, stress, failed };
     let not_begun = following.all()?;
-    let Following { observer, curves, .. } = following;
+    let Following { observer, curves, failed, .. } = following;
     let certificate = certified::certificate(&file.scene, &model, &curves);
     let beside = |curve: &LaidCurve| (curve.clone(), overlaid::beside(curve, &curves));
     let compared: Vec<(LaidCurve, Vec<Beside>)> = laid.iter().map(beside).collect();
@@ -114,13 +120,13 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
     left_out.for_each(|text| observer.event(Event::Warning(&text)));
     let n_points = curves.iter().map(|computed| computed.branch.points.len()).sum();
     histories::missing(&file.scene.files, "run", n_points).for_each(|text| observer.event(Event::Warning(&text)));
-    let period = period(&file.scene, &model, &curves);
+    let period = period(&file.scene, &model, &curves, stress);
     let warning = period.as_ref().ok().and_then(Option::as_ref).and_then(Period::warning);
     warning.iter().for_each(|text| observer.event(Event::Warning(text)));
     let written = |period: Option<Period>| {
         files(&file.scene, &model, (&curves, &laid), (&compared, period.as_ref()), &certificate, began)
     };
-    let failure = period.and_then(written).err();
+    let failure = period.and_then(written).err().or(failed);
     Ok(ResponsesOutcome {
         scene: file.scene,
         curves,
@@ -140,6 +146,9 @@ struct Following<'a> {
     journal: Rc<RefCell<Journal>>,
     observer: &'a mut dyn Observer,
     curves: Vec<ComputedResponse>,
+    stress: Option<&'a Stress>,
+    /// Why stress is not known.
+    failed: Option<Failure>,
 }
 
 impl Following<'_> {
@@ -188,7 +197,10 @@ impl Following<'_> {
                 is_complete: computed.is_complete(),
             });
         }
+        let first = self.curves.len();
         self.curves.extend(found);
+        let failure = self.stress(first).err();
+        self.failed = self.failed.take().or(failure);
         if let Some(failure) = self.journal.borrow_mut().failure.take() {
             return Err(self.unwritable(failure));
         }
@@ -197,6 +209,25 @@ impl Following<'_> {
             self.write_points()?;
         }
         Ok(self.observer.is_cancelled())
+    }
+
+    /// Says how large the stress of the curves from the one with this number on is.
+    fn stress(&mut self, first: usize) -> Result<(), Failure> {
+        let (Some(stress), model) = (self.stress, self.model) else { return Ok(()) };
+        let of = |one: &viewed::Viewed<'_>| {
+            let place = |dof| model.recorded.binary_search(&dof).ok();
+            let moves =
+                |point: usize, dofs: &[usize]| chosen(&one.branch().points.get(point)?.coefficients, dofs, place);
+            Ok((one.number(), stress.of_points(one, model.reduction.as_ref(), moves)?))
+        };
+        let shown = viewed(self.scene, model, &self.curves);
+        let latest = shown.iter().filter(|one| one.number() >= first);
+        let found = latest.map(of).collect::<Result<Vec<_>, Failure>>()?;
+        for (number, stress) in found {
+            let points = &mut self.curves[number].branch.points;
+            points.iter_mut().zip(stress).for_each(|(point, found)| point.stress = found);
+        }
+        Ok(())
     }
 
     /// Whether points are new, not repeated from an earlier run.
@@ -215,10 +246,16 @@ impl Following<'_> {
 }
 
 /// A period of the first curve, where figures or a page show it.
-fn period(scene: &Scene, model: &Model, curves: &[ComputedResponse]) -> Result<Option<Period>, Failure> {
+fn period(
+    scene: &Scene,
+    model: &Model,
+    curves: &[ComputedResponse],
+    stress: Option<&Stress>,
+) -> Result<Option<Period>, Failure> {
+    let solids = stress.and_then(Stress::solids);
     let is_shown = scene.files.figures || scene.files.page;
     let shown = viewed(scene, model, curves);
-    shown.first().filter(|_| is_shown).map_or(Ok(None), |first| Period::of(model.reduction.as_ref(), first))
+    shown.first().filter(|_| is_shown).map_or(Ok(None), |first| Period::of(model.reduction.as_ref(), first, solids))
 }
 
 /// Most detached curves that are followed.

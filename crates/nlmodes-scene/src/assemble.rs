@@ -14,9 +14,9 @@ use std::f64::consts::TAU;
 use std::path::PathBuf;
 
 use nlmodes::contact::LcpError;
-use nlmodes::fem::{Beam, FemError, MassMatrix, Material, Mesh, Rod, Section, Step, Stop, Support};
+use nlmodes::fem::{Beam, FemError, MassMatrix, Material, Mesh, Rod, Section, Step, Stop, StressRow, Support};
 use nlmodes::model::{
-    Conserve, Contact, DofIndex, DofKind, Drop, ImposedFrequencies, MassRedistribution, MasslessContactModel,
+    Conserve, Contact, Dof, DofIndex, DofKind, Drop, ImposedFrequencies, MassRedistribution, MasslessContactModel,
     ModelError, Move, StructuralModel,
 };
 use nlmodes_io::{ContactError, DofLabel, ReadError, find_contacts};
@@ -24,7 +24,7 @@ use nlmodes_linalg::{Digits, LinalgError};
 use nlmodes_reduction::ReductionError;
 use thiserror::Error;
 
-pub use open::{OpenStructure, dofs, free_modes};
+pub use open::{NodeContacts, OpenStructure, dofs, free_modes, node_contacts};
 pub use places::{Body, node_weights};
 pub use shared::Structures;
 pub use static_loads::StaticState;
@@ -85,6 +85,14 @@ impl Elements {
             Theory::Beam(beam, steps) => beam.assemble_stepped(steps, stops),
         }?;
         parts::fixed_to(model, &self.masses, &self.springs)
+    }
+
+    /// Axial stress of a model with these degrees of freedom; none of a beam with a section whose height is not known.
+    pub fn stress_rows(&self, dofs: &[Dof]) -> Option<Vec<StressRow>> {
+        match &self.theory {
+            Theory::Rod(rod, steps) => Some(rod.stress_rows(steps, dofs)),
+            Theory::Beam(beam, steps) => beam.stress_rows(steps, dofs),
+        }
     }
 
     /// Rod or beam.

@@ -119,6 +119,10 @@ pub struct RawContact {
     /// the force of both vanishes
     #[schemars(extend("unit" = "N s/m", "exclusiveMinimum" = 0.0))]
     pub damping_n_s_m: Option<f64>,
+    /// Coefficient of friction of which the power is estimated for `contacts.csv`, from the motion without friction;
+    /// the motion does not feel it
+    #[schemars(range(min = 0.0))]
+    pub friction_estimate: Option<f64>,
     /// Number of the structure of several to which `at_m` belongs, from 1 in the order of the file
     #[schemars(range(min = 1, max = MAX_BODIES))]
     pub structure: Option<u32>,

@@ -255,6 +255,9 @@ pub enum Section {
         shear_factor: f64,
         /// Poisson's ratio.
         poissons_ratio: f64,
+        /// Distance of the outermost fibre from the bending axis, m, where it is known.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        outer_fibre: Option<f64>,
     },
 }
 
@@ -277,6 +280,9 @@ pub struct Contact {
     /// Damper beside it, N s/m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub damping: Option<f64>,
+    /// Coefficient of friction of which the power is estimated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub friction_estimate: Option<f64>,
     /// Index of the structure of several, from 0.
     #[serde(default, skip_serializing_if = "is_first")]
     pub structure: usize,

@@ -33,6 +33,7 @@ impl Trajectory {
                 impulse,
                 touches: n_intervals(&own, count, period),
                 approach_velocity: self.approach_velocity(contact),
+                sliding: None,
             }
         };
         (0..count).map(of).collect()

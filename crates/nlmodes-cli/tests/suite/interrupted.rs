@@ -39,6 +39,15 @@ fn table(out: &Path) -> Outcome<String> {
     Ok(fs::read_to_string(out.join("branch.csv"))?)
 }
 
+/// Whether the rows of a table are the first ones of the whole, but for `stress_pa` and `stress_at`, its last columns,
+/// which are known at the end of a run.
+fn begins(whole: &str, table: &str) -> bool {
+    let rows = |table: &str| -> Vec<Option<String>> {
+        table.lines().map(|line| line.rsplitn(3, ',').nth(2).map(str::to_owned)).collect()
+    };
+    rows(whole).starts_with(&rows(table))
+}
+
 fn said(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
@@ -81,7 +90,7 @@ fn a_run_that_is_killed_keeps_its_points_and_goes_on() -> Outcome {
         child.kill()?;
         child.wait()?;
         let left = table(&out)?;
-        assert!(expected.starts_with(&left), "{left}");
+        assert!(begins(&expected, &left), "{left}");
         assert!(rows(&left) >= points.max(before), "{} rows", rows(&left));
     }
     // A line that was being written when the power failed.
@@ -133,7 +142,7 @@ fn a_second_ctrl_c_ends_at_once_and_harms_nothing() -> Outcome {
         assert!(lines.any(|line| line.starts_with("interrupted")));
         drop(interrupt(&child));
         let code = child.wait()?.code();
-        assert!(expected.starts_with(&table(&out)?));
+        assert!(begins(&expected, &table(&out)?));
         // The existing files are complete.
         if out.join("summary.json").is_file() {
             summary(&out)?;
@@ -241,7 +250,7 @@ fn a_full_disk_is_said_and_what_was_found_is_kept() -> Outcome {
         assert!(said(&output).contains(part), "{}", said(&output));
     }
     let left = table(&out)?;
-    assert!(rows(&left) > 3 && expected.starts_with(&left) && left != expected);
+    assert!(rows(&left) > 3 && begins(&expected, &left) && left != expected);
     assert_eq!(rod(&out, &["--resume"])?.status.code(), Some(0));
     assert_eq!(table(&out)?, expected);
     Ok(())

@@ -1,5 +1,6 @@
 //! Assembled structures, compared with closed forms, reference values and invariants.
 
+mod calculix;
 mod closed_forms;
 mod common;
 mod contacts;

@@ -1,7 +1,7 @@
 use std::f64::consts::TAU;
 
 use nlmodes_linalg::max_norm;
-use nlmodes_modal::{ContactPeriod, HarmonicCoefficients, ModalPoint, TimeHistory};
+use nlmodes_modal::{ClosedSpan, ContactPeriod, HarmonicCoefficients, ModalPoint, TimeHistory};
 use nlmodes_model::DofContact;
 use num_complex::Complex64;
 
@@ -42,6 +42,7 @@ impl ContactMotion {
             impulse: self.mean_force * TAU / omega,
             touches: self.touches,
             approach_velocity: self.approach,
+            sliding: None,
         }
     }
 }
@@ -265,6 +266,15 @@ impl PeriodicSystem {
     ) -> Result<Vec<TimeHistory>, HbmError> {
         let at = self.solve(x, 0.0)?;
         Ok(self.operator.equidistant_histories(contacts, at.omega, samples, label))
+    }
+
+    /// The spans of a period in which each contact is closed at the point with the unknowns `x`, with its force.
+    ///
+    /// # Errors
+    /// As [`time_histories`](Self::time_histories).
+    pub fn closed_spans(&mut self, x: &[f64]) -> Result<Vec<Vec<ClosedSpan>>, HbmError> {
+        self.solve(x, 0.0)?;
+        Ok(self.operator.closed_spans())
     }
 
     /// Iterations of the contact solver so far.

@@ -18,6 +18,9 @@ pub struct ContactChoice {
     /// Damper parallel to the stiffness, N s/m; none without dissipation.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub damping: Option<f64>,
+    /// Coefficient of friction of which the power is estimated; the contact itself has none.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub friction_estimate: Option<f64>,
 }
 
 /// Nodes, one by one or as a set of the mesh.

@@ -2,15 +2,18 @@
 
 mod blocks;
 mod elements;
+mod materials;
 mod supports;
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
+use std::sync::Arc;
 
 use self::blocks::State;
 use self::elements::{Shape, shape};
+use self::materials::Materials;
 use super::source::{Mention, Source};
-use super::{Element, Mesh};
+use super::{Behaviour, Element, Mesh};
 use crate::error::{Place, Problem, ReadError, Result};
 use crate::keyword::Keyword;
 use crate::text::unsigned;
@@ -58,6 +61,7 @@ struct Numbered {
     shape: Shape,
     nodes: Vec<u64>,
     mention: Mention,
+    kind: Arc<str>,
 }
 
 #[derive(Default)]
@@ -66,6 +70,7 @@ struct Deck {
     elements: Vec<Numbered>,
     by_number: HashMap<u64, usize>,
     element_sets: BTreeMap<String, Vec<u64>>,
+    materials: Materials,
     mentions: Vec<(u64, Mention)>,
     /// Node sets with directions of their own.
     transformed: Vec<String>,
@@ -93,7 +98,8 @@ impl Deck {
             }
             "ELEMENT" => {
                 let kind = source.need(keyword, "TYPE")?;
-                State::Elements { shape: shape(&kind), kind, set: keyword.option("ELSET"), begun: Vec::new() }
+                let (shape, kind) = (shape(&kind), Arc::from(kind));
+                State::Elements { shape, kind, set: keyword.option("ELSET"), begun: Vec::new() }
             }
             "NSET" => {
                 let name = source.need(keyword, "NSET")?;
@@ -111,6 +117,17 @@ impl Deck {
                     Some("NODE") => State::NodeSet { name, generate: false },
                     _ => State::Surface { name },
                 }
+            }
+            "MATERIAL" => {
+                self.materials.begin(keyword.option("NAME"));
+                State::Other
+            }
+            "ELASTIC" if matches!(keyword.option("TYPE").as_deref(), None | Some("ISO" | "ISOTROPIC")) => {
+                State::Elastic
+            }
+            "SOLID SECTION" => {
+                self.materials.section(keyword.option("ELSET"), keyword.option("MATERIAL"));
+                State::Other
             }
             "BOUNDARY" => State::Supports,
             "TRANSFORM" => {
@@ -150,12 +167,15 @@ impl Deck {
             return Err(ReadError::whole(path, Problem::Ended { expected }));
         }
         self.transform();
+        let mut elastic = self.materials.of_elements(&self.element_sets);
         for element in std::mem::take(&mut self.elements) {
             self.expand(&element);
             let index = |node: &u64| self.mesh.index_of(*node).map(|k| k as u32);
             let index = |node: &u64| index(node).ok_or_else(|| missing(*node, &element.mention));
             let nodes: Vec<u32> = element.nodes.iter().map(index).collect::<Result<_>>()?;
             let nodes = element.shape.ordered(&nodes);
+            let elastic = elastic.remove(&element.number);
+            self.mesh.behaviours.push(Behaviour { kind: element.kind.clone(), elastic });
             self.mesh.elements.push(Element { number: element.number, kind: element.shape.kind, nodes });
         }
         if let Some((node, mention)) = self.mentions.iter().find(|(node, _)| self.mesh.index_of(*node).is_none()) {

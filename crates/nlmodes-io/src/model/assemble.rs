@@ -30,6 +30,7 @@ pub(super) fn read(files: &FeFiles) -> Result<FeModel> {
     let mut model = FeModel::new(stiffness, mass, labels, places);
     if let Some(mesh) = &mut mesh {
         mesh.scale(files.units.length());
+        mesh.scale_stress(files.units.stiffness(Component::X, Component::X) / files.units.length());
         check_mesh(files, mesh, &model.labels)?;
         turned::check(files, of_stiffness, &model.labels, mesh)?;
         directions.extend(std::mem::take(&mut mesh.directions));

@@ -46,6 +46,7 @@ fn wall(nodes: &[u64], normal: [f64; 3], gap: f64) -> ContactChoice {
         gap: Some(GapChoice::Same(gap)),
         stiffness: None,
         damping: None,
+        friction_estimate: None,
     }
 }
 
@@ -65,6 +66,7 @@ fn directions_point_to_the_wall_and_between_partners() {
         gap: None,
         stiffness: Some(1e6),
         damping: Some(30.0),
+        friction_estimate: None,
     };
     let plane =
         ContactChoice { gap: Some(GapChoice::WallPoint([-5e-3, 7.0, 7.0])), ..wall(&[2], [-1.0, 0.0, 0.0], 0.0) };
@@ -135,6 +137,7 @@ fn contacts_that_cannot_be_are_refused() {
         gap: None,
         stiffness: None,
         damping: None,
+        friction_estimate: None,
     };
     let surface = ContactChoice { normal: Some(NormalChoice::Surface), ..wall(&[1], x, 0.0) };
     let cases = [

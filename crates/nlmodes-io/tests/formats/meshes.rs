@@ -306,3 +306,22 @@ fn both_versions_of_gmsh_give_the_same_mesh() {
     assert_eq!(skin.cells.len(), 4);
     assert!(skin.cells.iter().all(|cell| cell.kind == ElementKind::Triangle));
 }
+
+/// Materials are those of the sets of solid sections; none of an element without a section, of one whose material
+/// depends on the temperature, is not isotropic, or is not there.
+#[test]
+fn decks_give_the_type_and_the_material_of_each_element() {
+    let nodes = "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n";
+    let element = |k: usize| format!("*ELEMENT, TYPE=C3D4, ELSET=E{k}\n{k},1,2,3,4\n");
+    let elements: Vec<String> = (1..=6).map(element).collect();
+    let materials = "*MATERIAL, NAME=Steel\n*ELASTIC\n210000., .3\n*DENSITY\n7.8e-9\n\
+        *MATERIAL, NAME=HOT\n*ELASTIC\n210000., .3, 20.\n180000., .3, 300.\n\
+        *MATERIAL, NAME=WOOD\n*ELASTIC, TYPE=ENGINEERING CONSTANTS\n1.,2.,3.,.1,.1,.1,1.,1.,\n1.,\n\
+        *MATERIAL, NAME=RUBBER\n*ELASTIC, TYPE=ISO\n1.5, .5\n";
+    let section = |k: usize, name: &str| format!("*SOLID SECTION, ELSET=E{k}, MATERIAL={name}\n");
+    let sections =
+        [section(1, "STEEL"), section(2, "HOT"), section(3, "WOOD"), section(4, "RUBBER"), section(5, "NONE")];
+    let found = mesh("m.inp", &(nodes.to_owned() + &elements.concat() + materials + &sections.concat())).unwrap();
+    assert_eq!(found.elasticity(0), Some(("C3D4", [210000.0, 0.3])));
+    assert!((1..7).all(|k| found.elasticity(k).is_none()));
+}

@@ -119,7 +119,8 @@ pub const FILES: [FileMeaning; 22] = [
         meaning: "For ParaView, of a structure from files whose mesh is known: one period with frames `motion_….vtu`, \
             number of the node, displacement in m (NaN where it depends on other nodes), contact_force in N, gap in m, \
             and where contacts cover faces of the mesh contact_pressure in Pa (with nodes in the middle of edges it is \
-            larger there than at corners, as the forces of nodes are)",
+            larger there than at corners, as the forces of nodes are); where stress is recovered, stress, von_mises and \
+            principal_stress in Pa",
         columns: &[],
     },
     FileMeaning { name: "run.json", meaning: "Whose results these are", columns: &[] },

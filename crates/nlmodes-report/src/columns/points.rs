@@ -2,7 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use nlmodes_modal::{ContactPeriod, Event, InternalResonance, ModalPoint, Participation, Stability};
+use nlmodes_modal::{
+    ContactPeriod, Event, InternalResonance, ModalPoint, Participation, PeakStress, Sliding, Stability,
+};
 
 use super::row::{Numbered, row};
 use crate::table::hertz;
@@ -41,6 +43,12 @@ row! {
             "estimated relative error of the frequency at the same energy, where `method.accuracy` asks for one";
         impulse_ns: Option<f64>, "N·s",
             "integral of all contact forces over the period, which converges with harmonics";
+        stress_pa: Option<f64>, "Pa",
+            "largest stress over the period, rest included: of meshes of solids the equivalent stress of von Mises at \
+             the nodes, of rods and beams |N/A ± M c/I|; beside a contact node it grows with a finer mesh; empty until \
+             the end of the run, and where elements, material or height of the section are not known";
+        stress_at: Option<f64>, "",
+            "where it is: number of the node, of rods and beams the position along the axis in m";
     }
 }
 
@@ -68,6 +76,8 @@ impl BranchRow {
             harmonics: point.coefficients.n_harmonics(),
             error_estimate: point.error_estimate,
             impulse_ns: point.impulse(),
+            stress_pa: point.stress.map(|found| found.stress),
+            stress_at: point.stress.map(|found| found.at),
         }
     }
 
@@ -92,6 +102,7 @@ impl BranchRow {
             residual: self.residual,
             error_estimate: self.error_estimate,
             events: self.event,
+            stress: self.stress_pa.zip(self.stress_at).map(|(stress, at)| PeakStress { stress, at }),
             ..ModalPoint::default()
         }
     }
@@ -214,6 +225,15 @@ row! {
             "largest speed at which the gap closes as it is touched; 0 without a touch";
         frequency_hz: f64, "Hz",
             "frequency of the motion, that of `branch.csv`; of one with twice the period of its load half of it";
+        wear_work_rate_w: Option<f64>, "W",
+            "mean of contact force times sliding speed, times a coefficient of friction a power, times one of wear a \
+             rate of wear; of the motion without friction; empty where the node does not move within the plane of the \
+             contact";
+        sliding_path_m: Option<f64>, "m",
+            "path that the closed contact slides a period, of the motion without friction";
+        friction_power_w: Option<f64>, "W",
+            "`wear_work_rate_w` times `friction_estimate` of the contact: an estimate, since the motion is computed \
+             without friction; 1 to 9 % too high in steady sliding, 31 to 290 % where blows and sliding alternate";
     }
 }
 
@@ -230,6 +250,9 @@ impl ContactRow {
             touches: contact.touches,
             approach_velocity_m_s: contact.approach_velocity,
             frequency_hz: hertz(point.omega),
+            wear_work_rate_w: contact.sliding.map(|sliding| sliding.wear_work_rate),
+            sliding_path_m: contact.sliding.map(|sliding| sliding.path),
+            friction_power_w: contact.sliding.and_then(|sliding| sliding.friction_power),
         })
     }
 
@@ -242,6 +265,11 @@ impl ContactRow {
             impulse: self.impulse_ns,
             touches: self.touches,
             approach_velocity: self.approach_velocity_m_s,
+            sliding: self.wear_work_rate_w.zip(self.sliding_path_m).map(|(wear_work_rate, path)| Sliding {
+                wear_work_rate,
+                path,
+                friction_power: self.friction_power_w,
+            }),
         }
     }
 }

@@ -23,8 +23,8 @@ pub const MATLAB_VARIABLES: [Column; 4] = [
     Column::new(
         "contacts",
         "",
-        "structure with the columns of `contacts.csv` from `contact_fraction` to `approach_velocity_m_s`, each points \
-            × stops",
+        "structure with the columns of `contacts.csv` without `point`, `contact` and `frequency_hz`, each points × \
+         stops",
     ),
     Column::new("harmonics", "", "structure with the arrays of `harmonics.npz`; beyond 2²⁴ coefficients without these"),
     Column::new("histories", "", "structure with the arrays of `histories.npz`"),

@@ -10,7 +10,7 @@ use nlmodes::report::columns::ResponseRow;
 use nlmodes_scene::assemble::{OpenStructure, StaticState};
 
 use crate::Failure;
-use crate::curve::{Curve, Frames};
+use crate::curve::{Curve, Instants};
 use crate::physical::count_history_from_drawing;
 
 /// A branch with the participation of linear modes at its points.
@@ -91,9 +91,9 @@ impl Curve for BranchCurve<'_> {
         Ok(all)
     }
 
-    fn frames(&self, open: &OpenStructure, point: usize, dofs: &[usize], frames: usize) -> Result<Frames, Failure> {
-        let mut contacts = self.histories.borrow_mut().equidistant(point, frames, "")?;
+    fn instants(&self, open: &OpenStructure, point: usize, count: usize) -> Result<Instants, Failure> {
+        let mut contacts = self.histories.borrow_mut().equidistant(point, count, "")?;
         self.count_from_drawing(&mut contacts);
-        Ok(Frames::new(contacts, &self.branch().points[point].coefficients, open, dofs, frames))
+        Ok(Instants::new(contacts, &self.branch().points[point].coefficients, open.modes.n_modes(), count))
     }
 }

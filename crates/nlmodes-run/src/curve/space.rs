@@ -3,16 +3,18 @@
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
+use nlmodes::linalg::Mat;
 use nlmodes::report::{ReportError, Wireframe};
 use nlmodes_io::{Component, FeModel, Mesh, NodeContact, PointField, Skin, Surface};
 use nlmodes_scene::assemble::OpenStructure;
 use nlmodes_scene::scene::Scene;
 
-use super::{Curve, Frames};
+use super::stress::{PointStress, Solids};
+use super::{Curve, Instants};
 use crate::Failure;
 
 /// Frames of a period.
-const FRAMES: usize = 24;
+pub const FRAMES: usize = 24;
 
 /// Angle (rad) by which a surface bends at edges that are drawn where not all can be.
 const SHARP: f64 = 0.5;
@@ -31,11 +33,15 @@ pub struct Period {
 }
 
 impl Period {
-    /// The period; none where no mesh is known.
+    /// The period, with stress where that is recovered; none where no mesh is known.
     ///
     /// # Errors
     /// [`Failure`] if a point cannot be evaluated again.
-    pub fn of(open: Option<&OpenStructure>, curve: &dyn Curve) -> Result<Option<Self>, Failure> {
+    pub fn of(
+        open: Option<&OpenStructure>,
+        curve: &dyn Curve,
+        stress: Option<&Solids>,
+    ) -> Result<Option<Self>, Failure> {
         let Some(open) = open else { return Ok(None) };
         let Some((model, contacts)) = &open.files else { return Ok(None) };
         let (Some(mesh), Some(&point)) = (&model.mesh, curve.pictured().last()) else { return Ok(None) };
@@ -46,7 +52,8 @@ impl Period {
             .collect();
         let (surface, skin) = (Surface::new(mesh, &touching), Skin::of(mesh));
         let motion = Motion::new(open, model, (mesh, &skin), &surface, curve, point)?;
-        let frames: Vec<Frame> = (0..FRAMES).map(|k| motion.frame(k)).collect();
+        let frames: Vec<Frame> =
+            (0..FRAMES).map(|k| motion.frame(k, stress.map(|solids| (solids, surface.points())))).collect();
         let wireframe = wireframe(format!("Point {point}"), (mesh, &skin), &surface, &frames, &motion.ends);
         let dependent = motion.dependent();
         Ok(Some(Self { point, surface, frames, duration: motion.period, wireframe, dependent }))
@@ -72,8 +79,9 @@ impl Period {
     /// Writes `motion.pvd` and a frame `motion_000.vtu` … for each phase.
     ///
     /// Fields: number of the node, displacement (m, NaN where it is not known), contact force on the structure (N), gap
-    /// (m), and, where contacts cover faces of the mesh, contact pressure (Pa); NaN where there is no contact, or no
-    /// face.
+    /// (m), and, where contacts cover faces of the mesh, contact pressure (Pa), NaN where there is no contact, or no
+    /// face; where it is recovered, stress (xx, yy, zz, xy, yz, zx), its equivalent of von Mises and the principal
+    /// stress of the largest magnitude (Pa).
     ///
     /// # Errors
     /// [`Failure`] if a file cannot be written.
@@ -131,7 +139,9 @@ fn wireframe(
 struct Motion<'a> {
     open: &'a OpenStructure,
     period: f64,
-    frames: Frames,
+    instants: Instants,
+    /// Displacements that were recovered, a column a frame, m.
+    displacements: Mat<f64>,
     /// Numbers of the nodes of the surface.
     numbers: Vec<u64>,
     /// For each point of the surface, where each of its displacements is found.
@@ -171,6 +181,7 @@ struct Frame {
     gap: Vec<f64>,
     /// Empty where no area is known.
     pressure: Vec<f64>,
+    stress: Option<PointStress>,
 }
 
 impl Frame {
@@ -183,6 +194,11 @@ impl Frame {
         ];
         if !self.pressure.is_empty() {
             fields.push(PointField { name: "contact_pressure", components: 1, values: &self.pressure });
+        }
+        if let Some(stress) = &self.stress {
+            fields.push(PointField { name: "stress", components: 6, values: &stress.components });
+            fields.push(PointField { name: "von_mises", components: 1, values: &stress.mises });
+            fields.push(PointField { name: "principal_stress", components: 1, values: &stress.principal });
         }
         fields
     }
@@ -217,8 +233,10 @@ impl<'a> Motion<'a> {
             ends.extend(both.filter_map(|(node, sign)| Some(End { place: *at.get(&node)?, contact, sign, area: 0.0 })));
         }
         find_areas(&mut ends, contacts, surface, (mesh, skin));
+        let instants = curve.instants(open, point, FRAMES)?;
         Ok(Self {
-            frames: curve.frames(open, point, &dofs, FRAMES)?,
+            displacements: instants.displacements(open, &dofs, &curve.load_shapes()),
+            instants,
             period: TAU / curve.branch().points[point].omega,
             open,
             numbers,
@@ -233,10 +251,10 @@ impl<'a> Motion<'a> {
         points.filter(|(_, place)| place.contains(&Source::Unknown)).map(|(number, _)| *number).collect()
     }
 
-    fn frame(&self, k: usize) -> Frame {
-        let forces: Vec<f64> = self.frames.contacts.iter().map(|history| history.force[k]).collect();
+    fn frame(&self, k: usize, stress: Option<(&Solids, &[u32])>) -> Frame {
+        let forces: Vec<f64> = self.instants.contacts.iter().map(|history| history.force[k]).collect();
         let value = |source: Source| match source {
-            Source::Row(row) => self.frames.displacements[(row, k)],
+            Source::Row(row) => self.displacements[(row, k)],
             Source::Held => 0.0,
             Source::Unknown => f64::NAN,
         };
@@ -245,7 +263,7 @@ impl<'a> Motion<'a> {
         let mut pressure = vec![f64::NAN; if self.ends.iter().any(|end| end.area > 0.0) { gap.len() } else { 0 }];
         let contacts = self.open.files.as_ref().map_or(&[][..], |(_, contacts)| contacts);
         for &End { place, contact: i, sign, area } in &self.ends {
-            let history = &self.frames.contacts[i];
+            let history = &self.instants.contacts[i];
             if area > 0.0 {
                 // A node before two walls presses against both.
                 pressure[place] = forces[i] / area + if pressure[place].is_nan() { 0.0 } else { pressure[place] };
@@ -256,7 +274,8 @@ impl<'a> Motion<'a> {
             gap[place] = if gap[place].is_nan() { left } else { gap[place].min(left) };
         }
         let node = self.numbers.iter().map(|number| *number as f64).collect();
-        Frame { node, displacement, force, gap, pressure }
+        let stress = stress.map(|(solids, points)| solids.at_points(points, &self.instants, k));
+        Frame { node, displacement, force, gap, pressure, stress }
     }
 }
 

@@ -4,13 +4,14 @@ use nlmodes::hbm::{HbmError, PeriodicMotion, ResponseRow};
 use nlmodes::modal::{
     BranchEnd, Driven, HarmonicCoefficients, InternalResonance, ModalBranch, ModalPoint, Participation,
 };
-use nlmodes::response::{Appropriation, ResponseError, ResponseModel, ResponsePoint};
+use nlmodes::response::{Appropriation, ResponseError, ResponseModel, ResponsePoint, Weights};
 use nlmodes_scene::scene::ResponseKind;
 use num_complex::Complex64;
 
 use super::model::Model;
 use crate::curve::LINEAR_MODES;
 use crate::physical::count_from_drawing;
+use crate::sliding::speed;
 
 /// What turns motions into points of a curve.
 pub struct Converter<'a> {
@@ -21,6 +22,8 @@ pub struct Converter<'a> {
     subharmonic: usize,
     rows: Vec<ResponseRow>,
     contact: Option<ResponseRow>,
+    /// Rows of the displacements within the planes of the contacts.
+    tangents: Vec<ResponseRow>,
     /// Angular frequencies of the linear modes, rad/s.
     omega: Vec<f64>,
 }
@@ -43,8 +46,10 @@ impl<'a> Converter<'a> {
     ) -> Result<Self, ResponseError> {
         let rows = model.response().rows_of_dofs(&model.recorded)?;
         let contact = model.response().rows(&model.contacts)?.into_iter().next();
+        let weights: Vec<Weights> = model.tangents.all().map(|tangent| tangent.weights.clone()).collect();
+        let tangents = model.response().rows(&weights)?;
         let omega = model.open_modes().omega_squared().iter().map(|square| square.max(0.0).sqrt()).collect();
-        Ok(Self { model, system, kind, subharmonic, rows, contact, omega })
+        Ok(Self { model, system, kind, subharmonic, rows, contact, tangents, omega })
     }
 
     /// The curve of these motions, of appropriation with the forces of each.
@@ -81,11 +86,52 @@ impl<'a> Converter<'a> {
             ..point.modal_point()
         };
         self.model.state.iter().for_each(|state| count_from_drawing(state, &mut found));
+        self.slide(motion, &mut found)?;
         found.resonance = found.resonant_harmonic().and_then(|harmonic| {
             let modal = || Some(modal_coordinates(motion, self.omega.len()));
             InternalResonance::of_harmonic(harmonic, harmonic as f64 * found.omega, &self.omega, modal)
         });
         Ok(found)
+    }
+
+    /// Says how the contacts of the point slide, where any does.
+    fn slide(&self, motion: &PeriodicMotion, found: &mut ModalPoint) -> Result<(), ResponseError> {
+        if self.model.tangents.is_empty() {
+            return Ok(());
+        }
+        let spans = match found.contacts.iter().any(|contact| contact.closed_share > 0.0) {
+            true => self.model.response().contact_pattern(motion, self.subharmonic)?.closed_spans(),
+            false => vec![Vec::new(); found.contacts.len()],
+        };
+        let modal = (0..motion.eta.first().map_or(0, Vec::len)).map(|r| {
+            let of: Vec<Complex64> = motion.eta.iter().map(|eta| eta[r]).collect();
+            speed(&of).powi(2)
+        });
+        let modal = modal.sum::<f64>().sqrt();
+        let base = self.base_displacement(motion);
+        let all: Vec<(Option<Vec<Complex64>>, f64)> = self
+            .tangents
+            .iter()
+            .zip(self.model.tangents.all())
+            .map(|(row, tangent)| {
+                let mut series = self.model.response().displacement(row, motion, self.subharmonic);
+                series.get_mut(self.subharmonic).into_iter().for_each(|u| *u += tangent.base * base);
+                (Some(series), row.modes.iter().map(|w| w * w).sum::<f64>().sqrt() * modal)
+            })
+            .collect();
+        let sliding = self.model.tangents.sliding(&spans, |j| all[j].clone(), motion.at.omega);
+        found.contacts.iter_mut().zip(sliding).for_each(|(contact, sliding)| contact.sliding = sliding);
+        Ok(())
+    }
+
+    /// Amplitude of the displacement of the base, m, a cosine; zero of one that does not shake.
+    fn base_displacement(&self, motion: &PeriodicMotion) -> f64 {
+        let omega = motion.at.omega * self.subharmonic as f64;
+        match self.model.unit {
+            "m" => motion.at.level,
+            "m/s²" => motion.at.level / (omega * omega),
+            _ => 0.0,
+        }
     }
 
     /// Participation of the lowest linear modes in a point and its motion; the phase is that of the first contact along

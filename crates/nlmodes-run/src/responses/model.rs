@@ -1,4 +1,5 @@
 use nlmodes::hbm::HbmError;
+use nlmodes::linalg::triplets;
 use nlmodes::modal::{BranchEnd, Coordinate, EndReason, ModalBranch};
 use nlmodes::model::MassShift;
 use nlmodes::response::{Dashpot, ResponseError, ResponseModel, Weights};
@@ -10,6 +11,7 @@ use nlmodes_scene::scene::{Place, Response, ResponseKind, Scene, Side};
 use super::damping::damping;
 use super::structure::{Reduced, base_motion, reduced};
 use crate::physical::of_dofs;
+use crate::sliding::Tangents;
 use crate::{RunError, chain, refusal};
 
 /// The structure of a scene with its damping and the load of level one.
@@ -25,6 +27,8 @@ pub struct Model {
     pub coordinates: Vec<Coordinate>,
     /// Displacement of each contact toward its stop.
     pub contacts: Vec<Weights>,
+    /// Displacements within the planes of the contacts.
+    pub tangents: Tangents,
     /// Of each contact, its sign along the coordinate of its node: one for a stop on the positive side.
     pub sides: Vec<f64>,
     /// Of each contact that is one degree of freedom, its place among those recorded.
@@ -136,6 +140,7 @@ impl Model {
             force_places,
             recorded: recorded.clone(),
             coordinates: coordinates.clone(),
+            tangents: tangents(scene, &parts),
             sides: sides(scene, &contacts),
             contact_coordinates,
             contacts,
@@ -187,6 +192,13 @@ impl Model {
     pub fn open_modes(&self) -> &OpenModes {
         self.response.open_modes()
     }
+}
+
+/// Displacements within the planes of the contacts.
+fn tangents(scene: &Scene, parts: &Reduced) -> Tangents {
+    let directions: Vec<(usize, usize, f64)> = triplets(parts.open.directions()).collect();
+    let nodes = parts.reduction.as_ref().and_then(|reduction| reduction.files.as_ref());
+    Tangents::of(scene, parts.dofs(), &directions, nodes)
 }
 
 /// The gaps before static loads.

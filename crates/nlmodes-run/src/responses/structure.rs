@@ -177,6 +177,15 @@ impl Reduced {
         bodies.iter().map(|body| (body.first, &body.model))
     }
 
+    /// Node, position and kind of each degree of freedom.
+    pub fn dofs(&self) -> &[Dof] {
+        match (&self.source, &self.reduction) {
+            (Source::Straight { body, .. }, _) => body.model.dofs(),
+            (Source::Files(dofs), _) => dofs,
+            (Source::Several(_), reduction) => reduction.as_ref().map_or(&[], |reduction| &reduction.dofs),
+        }
+    }
+
     /// Displacement of each contact toward its obstacle: `−w` of its gap `g = g₀ + wᵀ q`.
     pub fn toward_stops(&self) -> Vec<Weights> {
         let mut all = vec![Weights::new(); self.open.n_contacts()];

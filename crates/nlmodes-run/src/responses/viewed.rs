@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use nlmodes::branches::way_points;
+use nlmodes::linalg::Mat;
 use nlmodes::modal::{ContactInstant, ModalBranch, Participation, TimeHistory};
 use nlmodes::report::StopLine;
 use nlmodes::report::columns::{ResponseOf, ResponseRow};
@@ -14,8 +15,8 @@ use super::convert::modal_coordinates;
 use super::curves::ComputedResponse;
 use super::model::Model;
 use crate::Failure;
-use crate::curve::{Curve, Frames};
-use crate::physical::count_history_from_drawing;
+use crate::curve::{Curve, Instants};
+use crate::physical::{count_history_from_drawing, reduced_state};
 
 /// A curve of motions of the model of a scene.
 pub struct Viewed<'a> {
@@ -36,6 +37,11 @@ impl Viewed<'_> {
     /// What was followed.
     pub fn kind(&self) -> ResponseKind {
         self.computed.kind
+    }
+
+    /// Number of the curve in the run, from 0.
+    pub fn number(&self) -> usize {
+        self.number
     }
 
     /// The motion of a point, and how many periods of the load are one of it.
@@ -143,24 +149,30 @@ impl Curve for Viewed<'_> {
         self.contacts(point, label, &self.model.sides, |stretches| TimeHistory::exact_instants(stretches, samples))
     }
 
-    fn frames(&self, open: &OpenStructure, point: usize, dofs: &[usize], frames: usize) -> Result<Frames, Failure> {
+    fn load_shapes(&self) -> Vec<Vec<f64>> {
+        self.model.response().load_shapes()
+    }
+
+    fn instants(&self, open: &OpenStructure, point: usize, count: usize) -> Result<Instants, Failure> {
         let sides: Vec<f64> = open.reduced.direction_of().iter().map(|(_, toward)| *toward).collect();
         let within = |stretches: &[[f64; 2]]| {
-            let phases = (0..=frames).map(|k| TAU * k as f64 / frames as f64);
+            let phases = (0..=count).map(|k| TAU * k as f64 / count as f64);
             phases.map(|tau| (tau, stretches.partition_point(|ends| ends[1] < tau).min(stretches.len() - 1))).collect()
         };
         let contacts = self.contacts(point, "", &sides, within)?;
         let (found, subharmonic) = self.motion(point)?;
-        let modal = modal_coordinates(&found.motion, open.modes.n_modes());
-        let mut all = Frames::new(contacts, &modal, open, dofs, frames);
-        for (row, dof) in dofs.iter().enumerate() {
-            let load = self.model.response().load_displacement(*dof, &found.motion, subharmonic);
-            let moved = load.iter().enumerate().filter(|(_, q)| q.norm() > 0.0);
-            for ((n, q), k) in moved.flat_map(|harmonic| (0..frames).map(move |k| (harmonic, k))) {
-                let turned = n as f64 * TAU * k as f64 / frames as f64;
-                all.displacements[(row, k)] += q.re * turned.cos() - q.im * turned.sin();
-            }
+        let mut modal = modal_coordinates(&found.motion, open.modes.n_modes());
+        // Motions are about the state at rest; what that has beyond the modes is added to displacements.
+        let still = open.state.as_ref().map(|state| reduced_state(open, &state.displacement));
+        for (mode, by) in still.iter().flatten().take(open.modes.n_modes()).enumerate() {
+            modal.of_mut(mode)[0] += by;
         }
-        Ok(all)
+        let coordinates = |k: usize| {
+            let phase = TAU * k as f64 / count as f64;
+            self.model.response().load_coordinates(&found.motion, subharmonic, phase)
+        };
+        let columns: Vec<Vec<f64>> = (0..count).map(coordinates).collect();
+        let loads = Mat::from_fn(columns.first().map_or(0, Vec::len), count, |j, k| columns[k][j]);
+        Ok(Instants { loads, ..Instants::new(contacts, &modal, open.modes.n_modes(), count) })
     }
 }

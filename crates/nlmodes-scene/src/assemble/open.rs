@@ -16,6 +16,20 @@ const BEYOND_HARMONICS: f64 = 4.0;
 /// And they are so many at least, where the structure has them.
 const FEWEST: usize = 12;
 
+/// The model of files and the contacts of its nodes.
+pub type NodeContacts = (Arc<FeModel>, Vec<NodeContact>);
+
+/// The model and the contacts of a scene whose structure is from files.
+///
+/// # Errors
+/// [`StructureError`]: files that cannot be read, contacts that do not fit them.
+pub fn node_contacts(scene: &Scene, structures: &Structures) -> Result<Option<NodeContacts>, StructureError> {
+    let SceneStructure::Matrices(matrices) = &scene.structure else { return Ok(None) };
+    let model = structures.model(&matrices.files)?;
+    let found = find_contacts(&model, &matrices.files, &matrices.contacts)?;
+    Ok(Some((model, found)))
+}
+
 /// A structure in open modes, and what its rows and contacts are called.
 #[derive(Debug)]
 pub struct OpenStructure {
@@ -28,7 +42,7 @@ pub struct OpenStructure {
     /// Node and position (m, along x) by which each contact is known.
     pub contacts: Vec<(usize, f64)>,
     /// The model and the contacts of its nodes, of a structure from files.
-    pub files: Option<(Arc<FeModel>, Vec<NodeContact>)>,
+    pub files: Option<NodeContacts>,
     /// Motions of a structure from files that strain nothing.
     pub strainless: Strainless,
     /// What static loads and stops that press do to it: the gaps of `modes` and `reduced` are those that they leave.

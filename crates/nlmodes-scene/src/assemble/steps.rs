@@ -24,10 +24,11 @@ pub fn of_beam(structure: &scene::Structure, mesh: &Mesh) -> Result<Vec<Step<Sec
 
 /// Material and section of a beam; the section of a rod has no second moment and is refused.
 pub fn material_and_section(material: Material, section: scene::Section) -> Result<(Material, Section), FemError> {
-    let scene::Section::Beam { area, second_moment, shear_factor, poissons_ratio } = section else {
+    let scene::Section::Beam { area, second_moment, shear_factor, poissons_ratio, outer_fibre } = section else {
         return Ok((material, Section::new(area(section), 0.0)?));
     };
     let section = Section::new(area, second_moment)?.with_shear_factor(shear_factor)?;
+    let section = outer_fibre.map_or(Ok(section), |distance| section.with_outer_fibre(distance))?;
     Ok((material.with_poissons_ratio(poissons_ratio)?, section))
 }
 

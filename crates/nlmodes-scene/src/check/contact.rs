@@ -61,6 +61,7 @@ fn sound(i: usize, raw: &RawContact, bodies: &[Body<'_>], diagnostics: &mut Diag
         gap: raw.gap_m,
         stiffness: raw.stiffness_n_m,
         damping: raw.damping_n_s_m,
+        friction_estimate: raw.friction_estimate,
         structure: body,
         against,
     })

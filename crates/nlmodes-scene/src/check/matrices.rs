@@ -59,8 +59,8 @@ fn contact(raw: &RawNodeContact, i: usize, base: &Path, diagnostics: &mut Diagno
     let normal = normal(raw, i, diagnostics);
     let gap = gap(raw, i, diagnostics);
     let sound = diagnostics.count() == before;
-    let (stiffness, damping) = (raw.stiffness_n_m, raw.damping_n_s_m);
-    sound.then_some(ContactChoice { nodes: nodes?, partner, normal, gap, stiffness, damping })
+    let (stiffness, damping, friction_estimate) = (raw.stiffness_n_m, raw.damping_n_s_m, raw.friction_estimate);
+    sound.then_some(ContactChoice { nodes: nodes?, partner, normal, gap, stiffness, damping, friction_estimate })
 }
 
 /// A diagnostic of contact `i`, at the key if there is one.

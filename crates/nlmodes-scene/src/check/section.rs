@@ -56,6 +56,7 @@ pub fn section(
         second_moment: computable(table, second_moment, diagnostics)?,
         shear_factor: raw.shear_factor.or(tube.map(|tube| tube.shear_factor())).unwrap_or(SHEAR_FACTOR),
         poissons_ratio,
+        outer_fibre: raw.outer_fibre_m.or(raw.height_m.or(raw.outer_m).map(|whole| 0.5 * whole)),
     })
 }
 
@@ -118,6 +119,7 @@ fn warn_unused(table: &str, diagnostics: &mut Diagnostics<'_>) {
         format!("{material}material.poissons_ratio"),
         format!("{table}.second_moment_m4"),
         format!("{table}.shear_factor"),
+        format!("{table}.outer_fibre_m"),
     ];
     for path in unused {
         if diagnostics.has(&path) {

@@ -119,8 +119,8 @@ fn segment(
 /// The section of the structure in a material of its own.
 fn with_poissons_ratio(own: Section, material: &RawMaterial) -> Section {
     match (own, material.poissons_ratio) {
-        (Section::Beam { area, second_moment, shear_factor, .. }, Some(poissons_ratio)) => {
-            Section::Beam { area, second_moment, shear_factor, poissons_ratio }
+        (Section::Beam { area, second_moment, shear_factor, outer_fibre, .. }, Some(poissons_ratio)) => {
+            Section::Beam { area, second_moment, shear_factor, poissons_ratio, outer_fibre }
         }
         (own, _) => own,
     }

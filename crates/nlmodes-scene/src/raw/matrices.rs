@@ -111,6 +111,10 @@ pub struct RawNodeContact {
     /// Damper of each beside its stiffness, for responses and damped modes; conservative modes leave it out
     #[schemars(extend("unit" = "N s/m", "exclusiveMinimum" = 0.0))]
     pub damping_n_s_m: Option<f64>,
+    /// Coefficient of friction of which the power is estimated for `contacts.csv`, from the motion without friction;
+    /// the motion does not feel it
+    #[schemars(range(min = 0.0))]
+    pub friction_estimate: Option<f64>,
 }
 
 fn numbers_or_names(_: &mut SchemaGenerator) -> Schema {

@@ -91,6 +91,10 @@ pub struct RawSection {
     /// Thickness of the wall of a tube; half of the outer diameter is a round bar
     #[schemars(extend("unit" = "m", "exclusiveMinimum" = 0.0))]
     pub wall_m: Option<f64>,
+    /// Distance of the outermost fibre of a beam from its bending axis, for its stress; default half of the height of a
+    /// rectangle or of the diameter of a tube
+    #[schemars(extend("unit" = "m", "exclusiveMinimum" = 0.0))]
+    pub outer_fibre_m: Option<f64>,
     /// Shear correction factor of a beam; default 5/6, that of a rectangle, and of tubes that of Cowper
     #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1.0))]
     pub shear_factor: Option<f64>,

@@ -84,6 +84,8 @@ pub struct OutputFiles {
     pub figure_width_mm: Option<f64>,
     /// Whether figures have titles
     pub figure_titles: bool,
+    /// Whether the largest stress of each point is recovered, where the elements are known
+    pub stress: bool,
 }
 
 impl Default for OutputFiles {
@@ -95,6 +97,7 @@ impl Default for OutputFiles {
             histories: Vec::new(),
             figure_width_mm: None,
             figure_titles: true,
+            stress: true,
         }
     }
 }

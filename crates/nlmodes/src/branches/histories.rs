@@ -1,6 +1,6 @@
 //! Motions of all contacts at points of a branch.
 
-use nlmodes_modal::TimeHistory;
+use nlmodes_modal::{ClosedSpan, TimeHistory};
 
 use super::periodic::Periodic;
 use super::prepare::periodic;
@@ -46,6 +46,20 @@ impl<'b> Histories<'b> {
         let branch = self.branch;
         let harmonics = branch.branch.points[point].coefficients.n_harmonics();
         Ok(self.problem(harmonics)?.equidistant_histories(&branch.unknowns[point], samples, label)?)
+    }
+
+    /// The spans of a period of point `point` in which each contact is closed, with its force; none of exact motions,
+    /// whose forces are no series.
+    ///
+    /// # Errors
+    /// [`BranchError`] if the point cannot be evaluated again.
+    ///
+    /// # Panics
+    /// If there is no such point.
+    pub fn closed_spans(&mut self, point: usize) -> Result<Option<Vec<Vec<ClosedSpan>>>, BranchError> {
+        let branch = self.branch;
+        let harmonics = branch.branch.points[point].coefficients.n_harmonics();
+        Ok(self.problem(harmonics)?.closed_spans(&branch.unknowns[point])?)
     }
 
     /// The motion of [`at`](Self::at), of a solution between the points.

@@ -2,7 +2,7 @@
 
 use nlmodes_continuation::{Boundary, Linearization, ParametricSystem, Scaling};
 use nlmodes_hbm::{Grazing, HbmError, MixedShooting, Projection};
-use nlmodes_modal::{HarmonicCoefficients, ModalPoint, TimeHistory};
+use nlmodes_modal::{ClosedSpan, HarmonicCoefficients, ModalPoint, TimeHistory};
 use nlmodes_timestep::{ModeShooting, TimestepError};
 use thiserror::Error;
 
@@ -164,6 +164,16 @@ impl<'s> Periodic<'s> {
                 each.map(|i| problem.time_history(x, i, samples, label)).collect::<Result<_, _>>()?
             }
             Equations::Modal(problem) => problem.system.equidistant_histories(x, &problem.contacts, samples, label)?,
+        })
+    }
+
+    /// The spans of a period in which each contact is closed, with its force as a series; none of an exact motion,
+    /// whose forces are none.
+    pub fn closed_spans(&mut self, x: &[f64]) -> Result<Option<Vec<Vec<ClosedSpan>>>, PeriodicError> {
+        Ok(match &mut self.equations {
+            Equations::Harmonics(problem) => Some(problem.closed_spans(x)?),
+            Equations::Exact(_) => None,
+            Equations::Modal(problem) => Some(problem.system.closed_spans(x)?),
         })
     }
 

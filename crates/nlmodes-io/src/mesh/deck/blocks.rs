@@ -2,6 +2,7 @@
 
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use super::elements::Shape;
 use super::{Deck, Numbered};
@@ -14,10 +15,11 @@ use crate::text::{commas, unsigned};
 pub(super) enum State {
     Other,
     Nodes { set: Option<String> },
-    Elements { shape: Option<Shape>, kind: String, set: Option<String>, begun: Vec<u64> },
+    Elements { shape: Option<Shape>, kind: Arc<str>, set: Option<String>, begun: Vec<u64> },
     NodeSet { name: String, generate: bool },
     ElementSet { name: String, generate: bool },
     Surface { name: String },
+    Elastic,
     Supports,
 }
 
@@ -51,14 +53,14 @@ impl Deck {
                 }
                 match begun.len().cmp(&(shape.nodes + 1)) {
                     Ordering::Less => Ok(()),
-                    Ordering::Equal => self.element(source, *shape, std::mem::take(begun), set.as_deref()),
+                    Ordering::Equal => self.element(source, (*shape, kind), std::mem::take(begun), set.as_deref()),
                     Ordering::Greater => {
                         Err(source.expected(&format!("{} nodes of element {}", shape.nodes, begun[0])))
                     }
                 }
             }
             State::Elements { shape: None, kind, .. } => {
-                *self.mesh.passed_over.entry(kind.clone()).or_default() += 1;
+                *self.mesh.passed_over.entry(kind.to_string()).or_default() += 1;
                 Ok(())
             }
             State::NodeSet { name, generate } => self.node_set(source, name, *generate),
@@ -68,6 +70,10 @@ impl Deck {
                 Ok(())
             }
             State::Surface { name } => self.surface(source, name),
+            State::Elastic => {
+                self.materials.elastic(source.line());
+                Ok(())
+            }
             State::Supports => {
                 self.support(source);
                 Ok(())
@@ -96,12 +102,18 @@ impl Deck {
         Ok(())
     }
 
-    fn element(&mut self, source: &Source, shape: Shape, mut nodes: Vec<u64>, set: Option<&str>) -> Result<()> {
+    fn element(
+        &mut self,
+        source: &Source,
+        (shape, kind): (Shape, &Arc<str>),
+        mut nodes: Vec<u64>,
+        set: Option<&str>,
+    ) -> Result<()> {
         let number = nodes.remove(0);
         if self.by_number.insert(number, self.elements.len()).is_some() {
             return Err(source.expected(&format!("element {number} once, it is there already")));
         }
-        self.elements.push(Numbered { number, shape, nodes, mention: source.mention() });
+        self.elements.push(Numbered { number, shape, nodes, mention: source.mention(), kind: kind.clone() });
         if let Some(set) = set {
             self.element_sets.entry(set.to_owned()).or_default().push(number);
         }

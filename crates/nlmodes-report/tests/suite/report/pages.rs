@@ -151,6 +151,7 @@ fn ten_branches_of_five_hundred_points_before_ten_stops_stay_under_five_megabyte
         impulse: 3.456_789e-3 * (1 + point) as f64,
         touches: 3,
         approach_velocity: 0.123_456,
+        sliding: None,
     };
     let rod = samples::rod(500, 12);
     let branch = |number: usize| {
@@ -281,6 +282,7 @@ fn key_points_say_at_which_stop_the_largest_force_is() {
         impulse: 1.0,
         touches: 1,
         approach_velocity: 1.0,
+        sliding: None,
     };
     let page = |forces: [&[f64]; 2]| {
         let mut branch = samples::rod(20, 3);
