@@ -8,7 +8,7 @@ use nlmodes::model::ModelError;
 use nlmodes::timestep::TimestepError;
 use nlmodes_scene::assemble::{OpenStructure, Strainless};
 use nlmodes_scene::doubts::contacts_balance;
-use nlmodes_scene::scene::{Direction, ResponseKind, Scene, StructureKind};
+use nlmodes_scene::scene::{Direction, ResponseKind, Scene, SceneStructure, StructureKind};
 use nlmodes_scene::{SceneError, SceneFile, number};
 
 use crate::{RunError, chain};
@@ -52,7 +52,7 @@ pub fn unless_supported(file: &SceneFile, open: Option<&OpenStructure>) -> Resul
         bodies(&strainless),
         strainless.text()
     );
-    Err(file.error_at("structure", &title, "", &[SUPPORT]).into())
+    Err(file.error_at("structure", &title, "", &[support(&file.scene)]).into())
 }
 
 /// Which bodies these are, in brackets.
@@ -84,7 +84,7 @@ pub fn unless_branch(file: &SceneFile, open: Option<&OpenStructure>) -> Result<(
         || "expected a structure with an elastic mode".to_owned(),
         |hz| format!("expected {} or more: that is the first elastic mode, {} Hz", count + 1, rounded(hz)),
     );
-    Err(file.error_at("method.mode", &title, &expected, &[SUPPORT]).into())
+    Err(file.error_at("method.mode", &title, &expected, &[support(&file.scene)]).into())
 }
 
 /// To six digits.
@@ -92,8 +92,21 @@ fn rounded(x: f64) -> String {
     number(format!("{x:.5e}").parse().unwrap_or(x))
 }
 
-const SUPPORT: &str = "a support is missing: boundary conditions of the model before its matrices are written, or \
-nodes in `structure.fixed`";
+/// Where a support would stand.
+fn support(scene: &Scene) -> &'static str {
+    match &scene.structure {
+        SceneStructure::Straight(_) | SceneStructure::Several(_) => {
+            "a support is missing: `start`, `end` or a `[[structure.spring]]`"
+        }
+        SceneStructure::Matrices(_) => {
+            "a support is missing: boundary conditions of the model before its matrices are written, or nodes in \
+            `structure.fixed`"
+        }
+        SceneStructure::Reduced(_) => {
+            "a support is missing: boundary conditions of the model before it is reduced, or a soft spring to the ground"
+        }
+    }
+}
 
 /// A structure that its contacts do not hold: the mean of contact forces could not be balanced.
 fn floating(file: &SceneFile, open: &OpenStructure, (rigid, left): (usize, usize)) -> RunError {
@@ -103,11 +116,7 @@ fn floating(file: &SceneFile, open: &OpenStructure, (rigid, left): (usize, usize
         "the structure can move as a rigid body{body}: {rigid} {modes} {strain} nothing, and holding all contacts \
         leaves {left} of these motions"
     );
-    let help = match file.scene.structure.matrices() {
-        Some(_) => SUPPORT,
-        None => "a support is missing: `start`, `end` or a `[[structure.spring]]`",
-    };
-    file.error_at("structure", &title, "", &[help]).into()
+    file.error_at("structure", &title, "", &[support(&file.scene)]).into()
 }
 
 /// An error of a branch, at the key of the scene that it is about.
