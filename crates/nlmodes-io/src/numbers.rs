@@ -46,7 +46,10 @@ pub fn read_numbers(address: &Address) -> Result<NumberTable> {
         ending => {
             if let Some(name) = name {
                 let expected = "the file alone: only an archive .npz holds several arrays".into();
-                return Err(ReadError::whole(path, Problem::Expected { expected, found: format!("`#{name}` behind it") }));
+                return Err(ReadError::whole(
+                    path,
+                    Problem::Expected { expected, found: format!("`#{name}` behind it") },
+                ));
             }
             match ending {
                 "npy" => npz::read_lone_array(path)?,

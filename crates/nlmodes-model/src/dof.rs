@@ -32,8 +32,8 @@ pub enum DofKind {
     /// Displacement of a contact toward its obstacle, m, of a structure that was already reduced: a massless coordinate
     /// in addition to the modal ones.
     Contact,
-    /// One of the displacements by which a structure is known that was reduced elsewhere, m: of a contact, or of a place
-    /// where a force acts.
+    /// One of the displacements by which a structure is known that was reduced elsewhere, m: of a contact, or of a
+    /// place where a force acts.
     Row,
 }
 
@@ -88,7 +88,9 @@ impl DofKind {
             Self::RX => Some(0),
             Self::RY => Some(1),
             Self::Rotation | Self::RZ => Some(2),
-            Self::Axial | Self::Deflection | Self::X | Self::Y | Self::Z | Self::Modal | Self::Contact | Self::Row => None,
+            Self::Axial | Self::Deflection | Self::X | Self::Y | Self::Z | Self::Modal | Self::Contact | Self::Row => {
+                None
+            }
         }
     }
 

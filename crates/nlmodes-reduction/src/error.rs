@@ -85,8 +85,8 @@ pub enum ReductionError {
     },
     /// A static flexibility that was computed elsewhere is less than what the modes have of it.
     #[error(
-        "the static flexibility is less than what the modes alone give, mostly at row {row}: {flexibility:e} m/N there, \
-        and {modal:e} m/N of the modes; expected the whole static flexibility, that of the modes included"
+        "the static flexibility is less than what the modes alone give, mostly at row {row}: {flexibility:e} m/N \
+        there, and {modal:e} m/N of the modes; expected the whole static flexibility, that of the modes included"
     )]
     LessThanModes {
         /// The row, from 1.

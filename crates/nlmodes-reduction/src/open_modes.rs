@@ -2,8 +2,8 @@ use std::cell::OnceCell;
 use std::sync::Arc;
 
 use nlmodes_linalg::{
-    CommonMotions, Digits, LinalgError, Mat, Modes, Openness, Pencil, SparseMatrix, multiply_many,
-    multiply_transposed, sparse_from_triplets, symmetric_eigen, triplets,
+    CommonMotions, Digits, LinalgError, Mat, Modes, Openness, Pencil, SparseMatrix, multiply_many, multiply_transposed,
+    sparse_from_triplets, symmetric_eigen, triplets,
 };
 use nlmodes_model::{Contact, MasslessContactModel, StructuralModel};
 

@@ -103,7 +103,8 @@ fn support(scene: &Scene) -> &'static str {
             `structure.fixed`"
         }
         SceneStructure::Reduced(_) => {
-            "a support is missing: boundary conditions of the model before it is reduced, or a soft spring to the ground"
+            "a support is missing: boundary conditions of the model before it is reduced, or a soft spring to the \
+            ground"
         }
     }
 }

@@ -155,7 +155,9 @@ pub enum StructureError {
         problem: ReducedProblem,
     },
     /// A contact of a row that there is not.
-    #[error("`contact.{contact}.row` is {row}, but `structure.contact_rows` has {rows} rows; expected one of them, from 1")]
+    #[error(
+        "`contact.{contact}.row` is {row}, but `structure.contact_rows` has {rows} rows; expected one of them, from 1"
+    )]
     NoSuchRow {
         /// The contact, from 0.
         contact: usize,
@@ -165,8 +167,10 @@ pub enum StructureError {
         rows: usize,
     },
     /// More modes are asked for than another program computed.
-    #[error("`reduction.modes` asks for {asked} modes, and `structure.frequencies_hz` has {available}; expected at most \
-        as many")]
+    #[error(
+        "`reduction.modes` asks for {asked} modes, and `structure.frequencies_hz` has {available}; expected at most \
+        as many"
+    )]
     TooManyGivenModes {
         /// What the scene asks for.
         asked: usize,

@@ -30,9 +30,7 @@ use parts::Fixed;
 use crate::Diagnostics;
 use crate::check::contact::Body;
 use crate::check::response::Places;
-use crate::raw::{
-    RawAnalysis, RawBodiesScene, RawMatrixScene, RawMethod, RawReducedScene, RawScene, RawStructure,
-};
+use crate::raw::{RawAnalysis, RawBodiesScene, RawMatrixScene, RawMethod, RawReducedScene, RawScene, RawStructure};
 use crate::scene::{
     Contact, MassRule, Method, MethodKind, OutputFiles, Overlay, ReductionKind, Scene, SceneStructure, Structure,
 };

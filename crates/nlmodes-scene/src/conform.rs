@@ -147,9 +147,7 @@ impl<'w> Walk<'w, '_, '_> {
             (Kind::Text | Kind::IntegerOrText | Kind::TextOrNumbers, DeValue::String(text)) => {
                 value::in_text(path, text, rule).map_or_else(|| Ok(Value::from(text.as_ref())), Err)
             }
-            (Kind::OneOf, DeValue::String(_)) if factor != Factor::Ten(0) => {
-                Err(value::of_a_file(path, rule))
-            }
+            (Kind::OneOf, DeValue::String(_)) if factor != Factor::Ten(0) => Err(value::of_a_file(path, rule)),
             (Kind::OneOf, value) if rule.fits(value) => Ok(in_unit(any(value), factor)),
             (Kind::OneOf, _) => Err(value::unfit(path)),
             (_, other) => Err(value::wrong_kind(&self.diagnostics.as_written(path), other, rule)),

@@ -19,8 +19,8 @@ use crate::assemble::OpenStructure;
 use crate::rule::number;
 use crate::scene::{Matrices, Scene};
 
-/// What a user should know of a structure from files, or of one that was reduced elsewhere, before trusting what comes out, in sentences; none of other
-/// structures.
+/// What a user should know of a structure from files, or of one that was reduced elsewhere, before trusting what comes
+/// out, in sentences; none of other structures.
 pub fn of(scene: &Scene, open: &OpenStructure) -> Vec<String> {
     if let Some(elsewhere) = &open.elsewhere {
         return reduced::doubts(elsewhere, open).into_iter().chain(modes::doubts(scene, open)).collect();

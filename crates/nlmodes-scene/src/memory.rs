@@ -169,7 +169,8 @@ fn of_numbers(model: &ReducedModel) -> f64 {
         Numbers::File(address) => fs::metadata(&address.path).map_or(0.0, |data| data.len() as f64),
         Numbers::List(_) | Numbers::Table(_) => 0.0,
     };
-    DENSE_COPIES * [&model.frequencies_hz, &model.contact_rows, model.flexibility.numbers()].map(size).iter().sum::<f64>()
+    DENSE_COPIES
+        * [&model.frequencies_hz, &model.contact_rows, model.flexibility.numbers()].map(size).iter().sum::<f64>()
 }
 
 /// Number of matrix entries in a text file of this size: the larger the matrix, the more digits its indices have, on

@@ -16,8 +16,8 @@ mod virtual_test;
 pub use choices::{
     AtBranchPoint, BackboneMethod, ChannelRole, ContactSolver, Direction, ExciterKind, FrequencyDirection,
     InternalResonance, LevelOrder, LoopDetector, MassMatrix, MassRule, MatricesKind, MeasuredQuantity, MethodKind,
-    RecordFormat, ReducedKind, ReductionKind, ResponseKind, Side, SpringDirection, StabilityChoice, StopOfBase, StructureKind,
-    Support, Switching, Symmetry, UpdatedParameter,
+    RecordFormat, ReducedKind, ReductionKind, ResponseKind, Side, SpringDirection, StabilityChoice, StopOfBase,
+    StructureKind, Support, Switching, Symmetry, UpdatedParameter,
 };
 
 pub use continuation::{Continuation, Start};

@@ -53,7 +53,8 @@ pub fn of_test() -> &'static Value {
 
 /// JSON schema of all scenes: the keys of all kinds, and which of them each kind demands.
 pub fn whole_schema() -> Value {
-    let mut schema = whole::joined(&[of_structure(), of_bodies(), of_matrices(), of_reduced(), of_records(), of_test()]);
+    let mut schema =
+        whole::joined(&[of_structure(), of_bodies(), of_matrices(), of_reduced(), of_records(), of_test()]);
     schema["title"] = json!("nlmodes scene");
     schema["$schema"] = of_structure()["$schema"].clone();
     for table in ["method", "response"] {

@@ -2,6 +2,7 @@
 
 mod chain;
 mod refused;
+mod superelement;
 
 use std::error::Error;
 use std::fs;
@@ -76,6 +77,25 @@ fn a_branch_of_closed_forms_is_that_of_the_matrices() -> Outcome {
     same([(&folder, &matrices), (&folder, &(residual.replace("rows.csv", "by_mode.csv") + contacts))], "branch.csv")
 }
 
+/// Stops that face each other with a row each, the second one against the first: they share a displacement.
+#[test]
+fn stops_that_face_each_other_may_have_a_row_each() -> Outcome {
+    let (folder, chain) = (tempdir()?, Chain { held: true, n: 40 });
+    let matrices = chain.matrices(&folder, 12, &[(40, 1.0, 1e-3), (40, -1.0, 2e-3)])? + MODE;
+    let reduced = chain.reduced(&folder, 12, &[40, 40], "flexibility_m_n")? + "[[contact]]\nrow = 1\ngap_m = 1e-3\n";
+    let same_sign = reduced.clone() + "[[contact]]\nrow = 2\nside = \"negative\"\ngap_m = 2e-3\n" + MODE;
+    same([(&folder, &matrices), (&folder, &same_sign)], "branch.csv")?;
+    // Toward the other stop: the second row with its sign changed.
+    let rows = fs::read_to_string(folder.path().join("rows.csv"))?;
+    let (first, second) = rows.split_once('\n').ok_or("rows")?;
+    let turned: Vec<String> = second.trim().split(',').map(|x| format!("-{x}").replace("--", "")).collect();
+    fs::write(folder.path().join("rows.csv"), format!("{first}\n{}\n", turned.join(",")))?;
+    let whole = 40.0 / 4e5;
+    fs::write(folder.path().join("flexibility_m_n.csv"), format!("{whole:e},-{whole:e}\n-{whole:e},{whole:e}\n"))?;
+    let other_sign = reduced + "[[contact]]\nrow = 2\ngap_m = 2e-3\n" + MODE;
+    same([(&folder, &matrices), (&folder, &other_sign)], "branch.csv")
+}
+
 /// Fewer modes than were computed: the others join the flexibility.
 #[test]
 fn modes_that_are_not_asked_for_answer_statically() -> Outcome {
@@ -117,8 +137,8 @@ fn responses_of_rows_are_those_of_nodes() -> Outcome {
     Ok(())
 }
 
-/// A chain that nothing holds, between two stops; the flexibility of loads in balance is the sum over the modes that are
-/// left out, in closed form.
+/// A chain that nothing holds, between two stops; the flexibility of loads in balance is the sum over the modes left
+/// out, in closed form.
 #[test]
 fn what_floats_between_stops_is_that_of_the_matrices() -> Outcome {
     let (folder, chain) = (tempdir()?, Chain { held: false, n: 30 });
@@ -157,7 +177,8 @@ fn files_in_other_units_come_out_in_si() -> Outcome {
 #[test]
 fn check_modes_and_verify_take_it() -> Outcome {
     let (folder, chain) = (tempdir()?, Chain { held: true, n: 40 });
-    let scene = chain.reduced(&folder, 12, &[40, 7], "flexibility_m_n")? + "[[contact]]\nrow = 1\ngap_m = 1e-3\n" + MODE;
+    let scene =
+        chain.reduced(&folder, 12, &[40, 7], "flexibility_m_n")? + "[[contact]]\nrow = 1\ngap_m = 1e-3\n" + MODE;
     fs::write(folder.path().join("scene.toml"), scene)?;
     let check = call(&folder, &["check", "scene.toml"])?;
     let text = said(&check);

@@ -7,7 +7,8 @@ use nlmodes::response::{BaseMotion, BaseUnit, Weights};
 use nlmodes_reduction::{ModeCount, OpenModes, ReductionError};
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::{
-    Assembly, Body, Elements, OpenStructure, StaticState, Structures, element_model, node_weights, redistribution, row_weights,
+    Assembly, Body, Elements, OpenStructure, StaticState, Structures, element_model, node_weights, redistribution,
+    row_weights,
 };
 use nlmodes_scene::scene::{BaseDirection, Place, Scene, StopOfBase, Structure};
 

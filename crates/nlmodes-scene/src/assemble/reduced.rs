@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use nlmodes::linalg::{Mat, sparse_from_triplets};
+use nlmodes::linalg::{Mat, SparseMatrix, sparse_from_triplets};
 use nlmodes::model::{Dof, DofKind};
 use nlmodes_io::{Component, NumberTable, ReadError, read_numbers};
 use nlmodes_reduction::{GivenFlexibility, GivenModes, OpenModes, ReductionError};
@@ -10,10 +10,13 @@ use thiserror::Error;
 
 use super::StructureError;
 use crate::rule::counted;
-use crate::scene::{Flexibility, Numbers, ReducedModel, Reduction, Side};
+use crate::scene::{Flexibility, Numbers, ReducedModel, Reduction, RowContact, Side};
 
 const FREQUENCIES: &str = "frequencies_hz";
 const ROWS: &str = "contact_rows";
+
+/// Rows that differ by less than this share of the largest number of one are the same displacement.
+const SAME: f64 = 1e-9;
 
 /// What is wrong with the numbers of a structure that was reduced elsewhere.
 #[derive(Debug, Error)]
@@ -33,8 +36,10 @@ pub enum ReducedProblem {
         expected: String,
     },
     /// A frequency that is negative, or lower than the one before.
-    #[error("{of}mode {mode} has {hz} Hz behind {before} Hz; expected 0 for each rigid-body motion, and then frequencies \
-        that ascend")]
+    #[error(
+        "{of}mode {mode} has {hz} Hz behind {before} Hz; expected 0 for each rigid-body motion, and then frequencies \
+        that ascend"
+    )]
     Frequency {
         /// The file with a colon; empty for numbers of the scene.
         of: String,
@@ -121,7 +126,7 @@ pub(super) fn read(model: &ReducedModel, reduction: Option<Reduction>) -> Result
     let (rows, is_by_modes) = rows(model, omega_squared.len())?;
     let flexibility = flexibility(model, rows.nrows())?;
     let known = ReducedElsewhere { modes: omega_squared.len(), rows: rows.nrows(), is_by_modes };
-    let directions = directions(model, known.rows)?;
+    let directions = directions(model, &rows, &flexibility)?;
     let contacts = &model.row_contacts;
     let gaps = contacts.iter().map(|contact| contact.gap).collect();
     let compliance = contacts.iter().map(|contact| contact.stiffness.map_or(0.0, |k| 1.0 / k)).collect();
@@ -211,14 +216,36 @@ fn flexibility(model: &ReducedModel, rows: usize) -> Result<GivenFlexibility, St
 }
 
 /// `g = g₀ − u` of a stop that is met by positive displacements `u` of its row.
-fn directions(model: &ReducedModel, rows: usize) -> Result<nlmodes::linalg::SparseMatrix, StructureError> {
+fn directions(
+    model: &ReducedModel,
+    shapes: &Mat<f64>,
+    flexibility: &GivenFlexibility,
+) -> Result<SparseMatrix, StructureError> {
+    let rows = shapes.nrows();
+    let (GivenFlexibility::Static(flexibility) | GivenFlexibility::Residual(flexibility)) = flexibility;
     let contacts = model.row_contacts.iter().enumerate();
     if let Some((contact, of)) = contacts.clone().find(|(_, of)| of.row > rows) {
         return Err(StructureError::NoSuchRow { contact, row: of.row, rows });
     }
-    let weight = |side: Side| if side == Side::Positive { -1.0 } else { 1.0 };
-    let entries: Vec<_> = contacts.map(|(contact, of)| (of.row - 1, contact, weight(of.side))).collect();
+    let entry = |(contact, of): (usize, &RowContact)| {
+        // Stops that face each other may have a row each: they share the first.
+        let same = (0..of.row - 1).find_map(|j| Some((j, is_same([shapes, flexibility], (of.row - 1, j))?)));
+        let (row, sign) = same.unwrap_or((of.row - 1, 1.0));
+        (row, contact, if of.side == Side::Positive { -sign } else { sign })
+    };
+    let entries: Vec<_> = contacts.map(entry).collect();
     Ok(sparse_from_triplets(rows, model.row_contacts.len(), &entries)?)
+}
+
+/// +1 or −1 where two rows are the same displacement, or one against the other, as all modes and forces show.
+fn is_same(tables: [&Mat<f64>; 2], (i, j): (usize, usize)) -> Option<f64> {
+    let is = |sign: f64| {
+        tables.iter().all(|table| {
+            let size = table.row(j).iter().fold(0.0_f64, |size, value| size.max(value.abs()));
+            (0..table.ncols()).all(|k| (table[(i, k)] - sign * table[(j, k)]).abs() <= SAME * size)
+        })
+    };
+    [1.0, -1.0].into_iter().find(|sign| is(*sign))
 }
 
 /// What the library has against the numbers, at the key of those that it is about.

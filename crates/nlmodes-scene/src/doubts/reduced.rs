@@ -17,8 +17,8 @@ fn ambiguous(elsewhere: &ReducedElsewhere) -> Option<String> {
     let n = elsewhere.rows;
     elsewhere.is_ambiguous().then(|| {
         format!(
-            "`structure.contact_rows` is {n} × {n}, with as many rows as modes: a line is taken for that of a row, with \
-            a number for each mode"
+            "`structure.contact_rows` is {n} × {n}, with as many rows as modes: a line is taken for that of a row, \
+            with a number for each mode"
         )
     })
 }

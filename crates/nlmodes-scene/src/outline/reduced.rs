@@ -1,7 +1,7 @@
 //! What is known of a structure that was reduced elsewhere, so that wrong units and exchanged rows show.
 
 use super::matrices::{FIRST, LISTED, frequencies};
-use super::{Row, law, row, rounded};
+use super::{Row, law, rounded, row};
 use crate::assemble::OpenStructure;
 use crate::number;
 use crate::rule::counted;

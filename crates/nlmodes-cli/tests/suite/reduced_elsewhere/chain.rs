@@ -101,4 +101,23 @@ impl Chain {
             hz.join(", ")
         ))
     }
+
+    /// Stiffness and mass of the held chain in the displacement of its last mass and all modes with that mass fixed:
+    /// `θ_r = r π/n`, and `i/n` where the last mass is displaced by one.
+    pub fn craig_bampton(&self) -> [Vec<Vec<f64>>; 2] {
+        let n = self.n;
+        let angle = |r: usize| r as f64 * PI / n as f64;
+        let shape = |i: usize, r: usize| (2.0 / (MASS * n as f64)).sqrt() * (i as f64 * angle(r)).sin();
+        let share = |i: usize| i as f64 / n as f64;
+        let coupling = |r: usize| (1..n).map(|i| MASS * share(i) * shape(i, r)).sum::<f64>();
+        let boundary = 0.5 * MASS + (1..n).map(|i| MASS * share(i).powi(2)).sum::<f64>();
+        let omega = |r: usize| 2.0 * (STIFFNESS / MASS).sqrt() * (0.5 * angle(r)).sin();
+        let entry = |i: usize, j: usize| match (i, j) {
+            (0, 0) => [STIFFNESS / n as f64, boundary],
+            (0, r) | (r, 0) => [0.0, coupling(r)],
+            (r, s) if r == s => [omega(r).powi(2), 1.0],
+            _ => [0.0, 0.0],
+        };
+        [0, 1].map(|which| (0..n).map(|i| (0..n).map(|j| entry(i, j)[which]).collect()).collect())
+    }
 }

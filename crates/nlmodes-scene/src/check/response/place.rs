@@ -60,7 +60,8 @@ impl<'a> Places<'a> {
     pub fn place(&self, written: &RawPlace, keys: &[String; 5], diagnostics: &mut Diagnostics<'_>) -> Option<Place> {
         let [at_key, node_key, direction_key, structure_key, row_key] = keys.each_ref().map(String::as_str);
         if !matches!(self, Self::Rows) && written.row.is_some() {
-            let diagnostic = Diagnostic::error(format!("`{row_key}` is a row of a structure that was reduced elsewhere"));
+            let diagnostic =
+                Diagnostic::error(format!("`{row_key}` is a row of a structure that was reduced elsewhere"));
             let own = if matches!(self, Self::Nodes) { node_key } else { at_key };
             let short = own.rsplit('.').next().unwrap_or(own);
             diagnostics.put(row_key, diagnostic, format!("expected `{short}` in its place"));
