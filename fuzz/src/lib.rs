@@ -11,7 +11,7 @@ mod structures;
 pub use readers::{Reader, Scratch, Target, target};
 
 /// Names of all targets.
-pub const TARGETS: [&str; 22] = [
+pub const TARGETS: [&str; 23] = [
     "scene",
     "record-scene",
     "test-scene",
@@ -34,4 +34,5 @@ pub const TARGETS: [&str; 22] = [
     "labels",
     "inp",
     "msh",
+    "numbers",
 ];

@@ -3,11 +3,11 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use nlmodes_io::{Address, Format, LabelTable, Mesh, ReadError, Skin, read_matrix};
+use nlmodes_io::{Address, Format, LabelTable, Mesh, ReadError, Skin, read_matrix, read_numbers};
 
 /// Names of the targets: the endings of the files.
-pub const TARGETS: [&str; 12] =
-    ["sti", "matrix-market", "abaqus", "npz", "mat5", "mat73", "hb", "pch", "labels", "inp", "msh", "bdf"];
+pub const TARGETS: [&str; 13] =
+    ["sti", "matrix-market", "abaqus", "npz", "mat5", "mat73", "hb", "pch", "labels", "inp", "msh", "bdf", "numbers"];
 
 /// Words of the text formats.
 pub const WORDS: &[&str] = &[
@@ -78,6 +78,7 @@ const LABELS: [&str; 3] = [
     "Matrix Eqn Node DOF\n1 4 UX\n2 4 ROTZ\n",
     "row,node,component,x,y,z\n0,1,ux,0,0,0\n1,1,2,0,0,0\n",
 ];
+const NUMBERS: [&str; 2] = ["# rows\n1.0,-2.5e-3\n3,4D+05\n", "10.0\n20.0 # Hz\n40.0\n"];
 const DECK: &str = "*NODE, NSET=ALL\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT, TYPE=C3D4, \
     ELSET=E\n1,1,2,3,4\n*NSET,NSET=A,GENERATE\n1,3,2\n*SURFACE,NAME=S\nE,S2\n*BOUNDARY\n1,1,3\n";
 const GMSH: [&str; 2] = [
@@ -115,6 +116,7 @@ pub fn corpus(target: &str) -> Option<Vec<Vec<u8>>> {
         "inp" => texts(&[DECK]),
         "msh" => texts(&GMSH),
         "bdf" => texts(&[BULK, DMIG]),
+        "numbers" => [NUMBERS.map(|text| text.as_bytes().to_vec()).to_vec(), vec![fixture!("modes.npz")]].concat(),
         _ => return None,
     })
 }
@@ -128,6 +130,15 @@ pub fn read(target: &str, directory: &Path, bytes: &[u8]) {
     match target {
         "labels" => ["case.dof", "case.mapping", "case.csv"].iter().filter_map(|name| written(name)).for_each(|path| {
             refused(LabelTable::read(&path).map(drop));
+        }),
+        "numbers" => ["case.npz", "case.npy", "case.csv"].iter().filter_map(|name| written(name)).for_each(|path| {
+            for name in [None, Some("rows")] {
+                let address = Address { path: path.clone(), name: name.map(str::to_owned) };
+                refused(read_numbers(&address).map(|table| {
+                    assert_eq!(table.values.len(), table.shape.iter().product::<usize>());
+                    assert!(table.values.iter().all(|value| value.is_finite()));
+                }));
+            }
         }),
         "inp" | "msh" | "bdf" => written(&format!("case.{target}")).into_iter().for_each(|path| {
             refused(Mesh::read(&path).map(|mesh| drop((Skin::of(&mesh).normals(&mesh), Skin::of(&mesh).edges()))));

@@ -11,7 +11,7 @@ mod mat5;
 mod mat73;
 mod matlab;
 mod matrix_market;
-mod npz;
+pub(crate) mod npz;
 mod user_element;
 
 use std::collections::HashMap;

@@ -8,6 +8,7 @@
 //! | --- | --- | --- |
 //! | matrices | CalculiX `.sti` and `.mas`; SciPy `.npz`; Matrix Market `.mtx`; Abaqus `MATRIX INPUT` and substructures, `.mtx`; MATLAB `.mat`, 5 to 7.3; Ansys `HBMAT`; Nastran DMIG | [`read_matrix`], [`Format`] |
 //! | names of the rows | CalculiX `.dof`; Ansys `.mapping`; tables `row,node,component[,x,y,z]` | [`LabelTable`] |
+//! | lists and matrices of numbers without names of rows | NumPy `.npz` and `.npy`; text, commas or blanks between numbers | [`read_numbers`] |
 //! | meshes | `.inp` of CalculiX and Abaqus; Gmsh `.msh` 4.1 and 2.2 as text; bulk data of Nastran | [`Mesh`] |
 //! | all of them together, in SI units | | [`FeModel`], [`FeFiles`], [`UnitSystem`] |
 //! | contacts of nodes with walls and with each other, as sparse directions `W` | pairs: `node_a,node_b[,nx,ny,nz,gap_m]` | [`find_contacts`], [`FeModel::contact_directions`] |
@@ -59,6 +60,7 @@ mod lower;
 mod mesh;
 mod model;
 mod nastran;
+mod numbers;
 mod paraview;
 mod text;
 mod units;
@@ -74,5 +76,6 @@ pub use labels::{Component, DofLabel, LabelTable, RepeatedLabel, read_nodal_valu
 pub use lower::LowerTriangle;
 pub use mesh::{Element, ElementKind, Mesh, Skin, SkinCell};
 pub use model::{FeFiles, FeModel, NodeChoice};
+pub use numbers::{NumberTable, read_numbers};
 pub use paraview::{PointField, Surface};
 pub use units::{UnitSystem, UnknownUnits};

@@ -32,11 +32,14 @@ pub enum DofKind {
     /// Displacement of a contact toward its obstacle, m, of a structure that was already reduced: a massless coordinate
     /// in addition to the modal ones.
     Contact,
+    /// One of the displacements by which a structure is known that was reduced elsewhere, m: of a contact, or of a
+    /// place where a force acts.
+    Row,
 }
 
 impl DofKind {
     /// All of them.
-    pub(crate) const ALL: [Self; 11] = [
+    pub(crate) const ALL: [Self; 12] = [
         Self::Axial,
         Self::Deflection,
         Self::Rotation,
@@ -48,6 +51,7 @@ impl DofKind {
         Self::RZ,
         Self::Modal,
         Self::Contact,
+        Self::Row,
     ];
 
     /// Lower-case name, as used in result files.
@@ -64,6 +68,7 @@ impl DofKind {
             Self::RZ => "rz",
             Self::Modal => "modal",
             Self::Contact => "contact",
+            Self::Row => "row",
         }
     }
 
@@ -73,7 +78,7 @@ impl DofKind {
             Self::Axial | Self::X => Some(0),
             Self::Deflection | Self::Y => Some(1),
             Self::Z => Some(2),
-            Self::Rotation | Self::RX | Self::RY | Self::RZ | Self::Modal | Self::Contact => None,
+            Self::Rotation | Self::RX | Self::RY | Self::RZ | Self::Modal | Self::Contact | Self::Row => None,
         }
     }
 
@@ -83,7 +88,9 @@ impl DofKind {
             Self::RX => Some(0),
             Self::RY => Some(1),
             Self::Rotation | Self::RZ => Some(2),
-            Self::Axial | Self::Deflection | Self::X | Self::Y | Self::Z | Self::Modal | Self::Contact => None,
+            Self::Axial | Self::Deflection | Self::X | Self::Y | Self::Z | Self::Modal | Self::Contact | Self::Row => {
+                None
+            }
         }
     }
 

@@ -114,7 +114,7 @@ impl StructuralModel {
     pub fn place(&self, dof: usize) -> Option<[f64; 3]> {
         let of = self.dofs.get(dof)?;
         match (&self.places, of.kind) {
-            (_, crate::DofKind::Modal | crate::DofKind::Contact) => None,
+            (_, crate::DofKind::Modal | crate::DofKind::Contact | crate::DofKind::Row) => None,
             (Some(places), _) => places.get(dof).copied(),
             (None, kind) => (!kind.is_spatial()).then_some([of.position, 0.0, 0.0]),
         }

@@ -44,6 +44,64 @@ pub enum ReductionError {
         /// The limit, rad/s.
         omega: f64,
     },
+    /// The frequencies of modes that were computed elsewhere do not ascend from zero.
+    #[error(
+        "mode {mode} has ω² = {omega_squared:e} rad²/s² behind {before:e} rad²/s²; expected zero for each rigid-body \
+        motion, and then squares that ascend"
+    )]
+    Descending {
+        /// The mode, from 1.
+        mode: usize,
+        /// Its `ω²`, rad²/s².
+        omega_squared: f64,
+        /// That of the mode before, zero before the first.
+        before: f64,
+    },
+    /// A flexibility that was computed elsewhere is not symmetric.
+    #[error(
+        "the flexibility between rows {row} and {column} is {value:e} m/N, and {mirrored:e} m/N between {column} and \
+        {row}; expected a symmetric matrix"
+    )]
+    NotSymmetric {
+        /// The row, from 1.
+        row: usize,
+        /// The column, from 1.
+        column: usize,
+        /// What stands there, m/N.
+        value: f64,
+        /// What stands in its mirror, m/N.
+        mirrored: f64,
+    },
+    /// A residual flexibility that was computed elsewhere is negative in some direction.
+    #[error(
+        "the flexibility beyond the modes is negative, mostly at row {row}: it is {flexibility:e} m/N there; expected \
+        a symmetric positive semidefinite matrix"
+    )]
+    NegativeFlexibility {
+        /// The row, from 1.
+        row: usize,
+        /// The residual flexibility of that row, m/N.
+        flexibility: f64,
+    },
+    /// A static flexibility that was computed elsewhere is less than what the modes have of it.
+    #[error(
+        "the static flexibility is less than what the modes alone give, mostly at row {row}: {flexibility:e} m/N \
+        there, and {modal:e} m/N of the modes; expected the whole static flexibility, that of the modes included"
+    )]
+    LessThanModes {
+        /// The row, from 1.
+        row: usize,
+        /// Its static flexibility, m/N.
+        flexibility: f64,
+        /// What the elastic modes have of it, m/N.
+        modal: f64,
+    },
+    /// A static flexibility of a structure that floats.
+    #[error(
+        "the structure floats (mode 1 has ω² = 0), so that it has no static flexibility; expected the residual one, \
+        of loads in balance with the inertia forces of the modes"
+    )]
+    FloatingFlexibility,
     /// No mode is left to describe the motion.
     #[error("the structure has no mode to retain ({wanted} wanted)")]
     NoMode {

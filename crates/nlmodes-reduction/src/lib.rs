@@ -22,6 +22,7 @@
 //! | | displacement at chosen places | | | [`OpenModes::rows`] |
 //! | `λ`, closed set | rest under preload and interference | N | c | [`OpenModes::rest`] |
 //! | `(η, u)` | the reduced equations as a structure with massless contact nodes | | m + c | [`ReducedStructure`] |
+//! | `Ω²`, `Y`, `A` | those of a structure that was reduced elsewhere | | | [`GivenModes`], [`OpenModes::given`] |
 //! | | linear modes with closed contacts | rad²/s² | m | [`OpenModes::closed_modes`] |
 //! | `λ_k`, `φ_k` | fixed-interface modes, massless contacts | rad²/s², 1/√kg | | [`HeldModes`] |
 //!
@@ -47,6 +48,7 @@
 //! elastodynamic contact problems*, Computers & Structures 260 (2022) 106698.
 
 mod error;
+mod given;
 mod held_modes;
 mod mode_count;
 mod open_modes;
@@ -56,6 +58,7 @@ mod rest;
 mod rows;
 
 pub use error::ReductionError;
+pub use given::{GivenFlexibility, GivenModes};
 pub use held_modes::{HeldMode, HeldModes};
 pub use mode_count::ModeCount;
 pub use open_modes::OpenModes;

@@ -2,12 +2,12 @@ use std::cell::OnceCell;
 use std::sync::Arc;
 
 use nlmodes_linalg::{
-    CommonMotions, Digits, LinalgError, Mat, Modes, Openness, Pencil, SparseMatrix, multiply_transposed,
+    CommonMotions, Digits, LinalgError, Mat, Modes, Openness, Pencil, SparseMatrix, multiply_many, multiply_transposed,
     sparse_from_triplets, symmetric_eigen, triplets,
 };
 use nlmodes_model::{Contact, MasslessContactModel, StructuralModel};
 
-use crate::residual::{Residual, blocks, dense_columns};
+use crate::residual::{Residual, Solved, blocks, dense_columns};
 use crate::{ModeCount, ReductionError};
 
 /// Up to this many numbers the residual shapes of the contact forces are kept (n × c); beyond, they are solved for
@@ -37,10 +37,10 @@ pub struct OpenModes {
     pub(crate) residual: Residual,
     /// `K⁻¹ W − Φ Ω⁻² Yᵀ` (n × c), of structures so small that keeping it costs nothing.
     pub(crate) residual_shapes: Option<Mat<f64>>,
-    openness: Openness,
-    hourglass_motions: usize,
-    gaps: Vec<f64>,
-    stop_compliance: Vec<f64>,
+    pub(crate) openness: Openness,
+    pub(crate) hourglass_motions: usize,
+    pub(crate) gaps: Vec<f64>,
+    pub(crate) stop_compliance: Vec<f64>,
 }
 
 impl OpenModes {
@@ -95,7 +95,7 @@ impl OpenModes {
         let shift = pencil.shift();
         refuse_unstable(&retained, &stiffness, shift, openness.strainless)?;
         common.iter().for_each(|common| common.take_out_of(&mut retained.vectors));
-        separate_repeated(&mut retained, &directions, shift)?;
+        separate_repeated(&retained.eigenvalues, &mut retained.vectors, &directions, shift)?;
         match retained.eigenvalues.last() {
             None => return Err(ReductionError::NoMode { wanted: wanted(modes) }),
             Some(&last) if last <= 1e-6 * shift && retained.eigenvalues.len() < stiffness.nrows() => {
@@ -103,7 +103,7 @@ impl OpenModes {
             }
             Some(_) => {}
         }
-        let residual = Residual { factor: Arc::new(pencil.into_factor()), mass, shift };
+        let residual = Residual::Solved(Solved { factor: Arc::new(pencil.into_factor()), mass, shift });
         let mut open = Self {
             contact_rows: multiply_transposed(&directions, &retained.vectors),
             flexibility: Mat::zeros(gaps.len(), gaps.len()),
@@ -129,10 +129,11 @@ impl OpenModes {
         self.openness.deviations.get(mode).map(|deviation| 0.5 * deviation / square)
     }
 
-    /// Whether there are no other modes: as many as degrees of freedom with mass.
+    /// Whether there are no other modes: as many as degrees of freedom with mass. Not known of a structure that was
+    /// reduced elsewhere.
     pub fn has_all_modes(&self) -> bool {
         // A row without mass on the diagonal has none beside it.
-        let mass = &self.residual.mass;
+        let Some(mass) = self.residual.mass() else { return false };
         let moving = (0..mass.nrows()).filter(|&i| mass.get(i, i).is_some_and(|m| *m != 0.0));
         moving.take(self.n_modes() + 1).count() <= self.n_modes()
     }
@@ -172,7 +173,7 @@ impl OpenModes {
 
     /// Residual flexibility of the contacts, and the shapes that go with it if they are small: otherwise half a
     /// solution will do, and that only where the contacts reach.
-    fn press_contacts(&mut self) {
+    pub(crate) fn press_contacts(&mut self) {
         let (n, c) = (self.shapes.nrows(), self.gaps.len());
         let mut kept = (n * c <= KEPT_SHAPES).then(|| Mat::zeros(n, c));
         if kept.is_none()
@@ -203,12 +204,13 @@ impl OpenModes {
     pub fn truncated(&self, count: usize) -> Result<Self, ReductionError> {
         let count = count.min(self.n_modes());
         let Some(last) = count.checked_sub(1) else { return Err(ReductionError::NoMode { wanted: 0 }) };
-        if count < self.n_modes() && self.omega_squared[last] <= 1e-6 * self.residual.shift {
+        if count < self.n_modes() && self.omega_squared[last] <= 1e-6 * self.residual.shift() {
             return Err(ReductionError::OnlyRigidModes { retained: count });
         }
         let mut fewer = self.clone();
         for r in count..self.n_modes() {
             let weight = 1.0 / self.omega_squared[r];
+            fewer.residual.take_over(&self.shapes, r, self.omega_squared[r]);
             let y = |i: usize| self.contact_rows[(i, r)];
             for j in 0..self.n_contacts() {
                 (0..self.n_contacts()).for_each(|i| fewer.flexibility[(i, j)] += weight * (y(i) * y(j)));
@@ -264,6 +266,15 @@ impl OpenModes {
         &self.omega_squared
     }
 
+    /// Modal coordinates `η = Φᵀ M q` of displacements (n × any), column by column; none where the mass is not known,
+    /// since the structure was reduced elsewhere.
+    ///
+    /// # Panics
+    /// If `q` has another size.
+    pub fn modal_coordinates(&self, q: &Mat<f64>) -> Option<Mat<f64>> {
+        Some(self.shapes.transpose() * multiply_many(self.residual.mass()?, q))
+    }
+
     /// `Φ`, n × m, mass-normalised; the largest component of each mode is positive.
     pub fn shapes(&self) -> &Mat<f64> {
         &self.shapes
@@ -277,6 +288,15 @@ impl OpenModes {
     /// `A = Wᵀ K⁻¹ W − Y Ω⁻² Yᵀ`, c × c, m/N: residual flexibility, without the stops' own compliance.
     pub fn flexibility(&self) -> &Mat<f64> {
         &self.flexibility
+    }
+
+    /// Displacement of the degree of freedom `dof` under a unit force along it, beyond the retained modes, m/N.
+    ///
+    /// # Panics
+    /// If there is no such degree of freedom.
+    pub fn residual_flexibility(&self, dof: usize) -> f64 {
+        let unit = Mat::from_fn(self.n_dofs(), 1, |i, _| f64::from(u8::from(i == dof)));
+        self.residual_answer(unit)[(dof, 0)]
     }
 
     /// `W`, n × c: `g = g₀ + Wᵀ q`.
@@ -350,14 +370,18 @@ const REPEATED: f64 = 1e-9;
 /// Among modes with the same frequency (equal bodies, square plates), takes those that move the contacts apart from
 /// those that do not, the strongest first: any of their combinations is a mode, but only these are limits of nonlinear
 /// modes.
-fn separate_repeated(modes: &mut Modes, directions: &SparseMatrix, shift: f64) -> Result<(), ReductionError> {
-    let values = &modes.eigenvalues;
+pub(crate) fn separate_repeated(
+    values: &[f64],
+    vectors: &mut Mat<f64>,
+    directions: &SparseMatrix,
+    shift: f64,
+) -> Result<(), ReductionError> {
     let is_same = |a: f64, b: f64| b - a <= REPEATED * b.abs() || b.abs().max(a.abs()) <= 1e-6 * shift;
     let mut first = if directions.ncols() == 0 { values.len() } else { 0 };
     while first < values.len() {
         let same = values[first..].iter().take_while(|value| is_same(values[first], **value)).count().max(1);
         if same > 1 {
-            let shapes = modes.vectors.subcols(first, same).to_owned();
+            let shapes = vectors.subcols(first, same).to_owned();
             let rows = multiply_transposed(directions, &shapes);
             let strength = rows.transpose() * &rows;
             let symmetric = Mat::from_fn(same, same, |i, j| 0.5 * (strength[(i, j)] + strength[(j, i)]));
@@ -368,7 +392,7 @@ fn separate_repeated(modes: &mut Modes, directions: &SparseMatrix, shift: f64) -
                 let column = turned.col(j);
                 let largest = column.iter().fold(0.0_f64, |l, v| if v.abs() > l.abs() { *v } else { l });
                 let sign = if largest < 0.0 { -1.0 } else { 1.0 };
-                let to = modes.vectors.col_mut(first + j);
+                let to = vectors.col_mut(first + j);
                 to.iter_mut().zip(column.iter()).for_each(|(to, from)| *to = sign * from);
             }
         }
@@ -384,11 +408,11 @@ fn wanted(modes: ModeCount) -> usize {
     }
 }
 
-fn same_size(what: &'static str, expected: usize, found: usize) -> Result<(), ReductionError> {
+pub(crate) fn same_size(what: &'static str, expected: usize, found: usize) -> Result<(), ReductionError> {
     if expected == found { Ok(()) } else { Err(ReductionError::Dimension { what, expected, found }) }
 }
 
-fn all_finite(what: &'static str, values: &[f64]) -> Result<(), ReductionError> {
+pub(crate) fn all_finite(what: &'static str, values: &[f64]) -> Result<(), ReductionError> {
     match values.iter().enumerate().find(|(_, value)| !value.is_finite()) {
         Some((index, &value)) => Err(ReductionError::NotFinite { what, index, value }),
         None => Ok(()),
@@ -401,7 +425,7 @@ fn check(k: &SparseMatrix, w: &SparseMatrix, gaps: &[f64], compliance: &[f64]) -
     check_stops(w, gaps, compliance)
 }
 
-fn check_stops(w: &SparseMatrix, gaps: &[f64], compliance: &[f64]) -> Result<(), ReductionError> {
+pub(crate) fn check_stops(w: &SparseMatrix, gaps: &[f64], compliance: &[f64]) -> Result<(), ReductionError> {
     same_size("gaps of the contacts", w.ncols(), gaps.len())?;
     same_size("compliances of the stops", w.ncols(), compliance.len())?;
     all_finite("gap of contact", gaps)?;

@@ -1,4 +1,4 @@
-use nlmodes_linalg::{DenseLu, Mat, Triplet, multiply_many, multiply_transposed, sparse_from_triplets};
+use nlmodes_linalg::{DenseLu, Mat, Triplet, multiply_transposed, sparse_from_triplets};
 use nlmodes_model::{Contact, Dof, DofKind, Side, StructuralModel};
 
 use crate::{OpenModes, ReductionError};
@@ -141,16 +141,24 @@ impl ReducedStructure {
     }
 
     /// The coordinates `x = (η, u)` of displacements that are a motion of the reduced structure, column by column:
-    /// `η = Φᵀ M q`, and `u` the displacement along each direction.
+    /// `η = Φᵀ M q`, and `u` the displacement along each direction. None where the mass is not known, since the
+    /// structure was reduced elsewhere.
     ///
     /// # Panics
     /// If `q` or `open` has another size.
-    pub fn coordinates(&self, open: &OpenModes, q: &Mat<f64>) -> Mat<f64> {
+    pub fn coordinates(&self, open: &OpenModes, q: &Mat<f64>) -> Option<Mat<f64>> {
+        Some(self.joined(&open.modal_coordinates(q)?, &multiply_transposed(open.directions(), q)))
+    }
+
+    /// The coordinates `x = (η, u)` of modal ones (m × any) and of what they and the contact forces open the gaps by
+    /// (c × any), column by column.
+    ///
+    /// # Panics
+    /// If one of them has another size.
+    pub fn joined(&self, eta: &Mat<f64>, gaps: &Mat<f64>) -> Mat<f64> {
         let (m, d) = (self.rows.ncols(), self.rows.nrows());
-        let eta = open.shapes().transpose() * multiply_many(&open.residual.mass, q);
-        let gaps = multiply_transposed(open.directions(), q);
-        let mut x = Mat::zeros(m + d, q.ncols());
-        for j in 0..q.ncols() {
+        let mut x = Mat::zeros(m + d, eta.ncols());
+        for j in 0..eta.ncols() {
             (0..m).for_each(|r| x[(r, j)] = eta[(r, j)]);
             for (contact, (direction, sign)) in self.direction_of.iter().enumerate() {
                 x[(m + direction, j)] = -sign * gaps[(contact, j)];
@@ -270,7 +278,7 @@ fn sign(a: &[(usize, f64)], b: &[(usize, f64)]) -> Option<f64> {
 fn least_share(open: &OpenModes, first: &[usize], a: &Mat<f64>) -> Result<f64, ReductionError> {
     let (mut l, n, mut least) = (a.clone(), first.len(), 1.0_f64);
     for k in 0..n {
-        let elastic = open.omega_squared().iter().enumerate().filter(|(_, w)| **w > 1e-6 * open.residual.shift);
+        let elastic = open.omega_squared().iter().enumerate().filter(|(_, w)| **w > 1e-6 * open.residual.shift());
         let modal: f64 = elastic.map(|(r, w)| open.contact_rows()[(first[k], r)].powi(2) / w).sum();
         // Of an elastic stop, what it yields itself is enough.
         let whole = a[(k, k)] + if open.stop_compliance()[first[k]] > 0.0 { 0.0 } else { modal };

@@ -12,9 +12,23 @@ const SETTLED: f64 = 1e-15;
 /// The change shrinks by a half at least each time, so that this many leave rounding only.
 const MOST_ITERATIONS: usize = 60;
 
-/// What answers statically: `G = K⁻¹ − Φ Ω⁻² Φᵀ`, never written out.
+/// What answers statically: `G = K⁻¹ − Φ Ω⁻² Φᵀ`.
 #[derive(Debug, Clone)]
-pub(crate) struct Residual {
+pub(crate) enum Residual {
+    /// Never written out: loads are solved for.
+    Solved(Solved),
+    /// Of a structure that was reduced elsewhere, between the n displacements by which it is known.
+    Given {
+        /// `G`, n × n.
+        flexibility: Mat<f64>,
+        /// `ω²` of the first elastic mode of a structure that floats, zero of others.
+        shift: f64,
+    },
+}
+
+/// The matrices of a structure.
+#[derive(Debug, Clone)]
+pub(crate) struct Solved {
     pub mass: Arc<SparseMatrix>,
     /// Factor of `K + sM`.
     pub factor: Arc<SparseCholesky>,
@@ -22,50 +36,102 @@ pub(crate) struct Residual {
 }
 
 impl Residual {
+    /// Zero of a structure that does not float; of others an `ω²` far above those of its rigid-body motions.
+    pub fn shift(&self) -> f64 {
+        match self {
+            Self::Solved(solved) => solved.shift,
+            Self::Given { shift, .. } => *shift,
+        }
+    }
+
+    /// The mass; none of a structure that was reduced elsewhere.
+    pub fn mass(&self) -> Option<&SparseMatrix> {
+        match self {
+            Self::Solved(solved) => Some(&solved.mass),
+            Self::Given { .. } => None,
+        }
+    }
+
     /// The static response beyond the modes `shapes`. Their product with `M` is computed here, once for any number of
     /// loads.
     pub fn beside<'a>(&'a self, shapes: &'a Mat<f64>) -> Beside<'a> {
-        Beside { residual: self, shapes, modal_mass: multiply_many(&self.mass, shapes) }
+        match self {
+            Self::Solved(solved) => {
+                Beside::Solved(SolvedBeside { solved, shapes, modal_mass: multiply_many(&solved.mass, shapes) })
+            }
+            Self::Given { flexibility, .. } => Beside::Given(flexibility),
+        }
     }
 
     /// `Wᵀ G W` for sparse `W` (n × c), whose columns move the modes by `rows = Wᵀ Φ`: with `B = W − M Φ Φᵀ W` it is
-    /// `Bᵀ K⁻¹ B`. None of a floating structure.
+    /// `Bᵀ K⁻¹ B`. None of a floating structure, and where `G` is known.
     pub fn form(&self, shapes: &Mat<f64>, rows: &Mat<f64>, directions: &SparseMatrix) -> Option<Mat<f64>> {
-        let modal_mass = (self.shift == 0.0).then(|| multiply_many(&self.mass, shapes))?;
-        Some(self.factor.inverse_form(directions, &modal_mass, &rows.transpose().to_owned()))
+        let Self::Solved(solved) = self else { return None };
+        let modal_mass = (solved.shift == 0.0).then(|| multiply_many(&solved.mass, shapes))?;
+        Some(solved.factor.inverse_form(directions, &modal_mass, &rows.transpose().to_owned()))
+    }
+
+    /// The same beside fewer modes: this one of the `shapes` answers statically from now on.
+    pub fn take_over(&mut self, shapes: &Mat<f64>, mode: usize, omega_squared: f64) {
+        if let Self::Given { flexibility, .. } = self {
+            add_share(flexibility, (shapes, mode), 1.0 / omega_squared);
+        }
+    }
+}
+
+/// Adds `weight · φ φᵀ` of one of the `shapes` to a matrix between the same displacements.
+pub(crate) fn add_share(to: &mut Mat<f64>, (shapes, mode): (&Mat<f64>, usize), weight: f64) {
+    for j in 0..to.ncols() {
+        (0..to.nrows()).for_each(|i| to[(i, j)] += weight * (shapes[(i, mode)] * shapes[(j, mode)]));
     }
 }
 
 /// `G = K⁻¹ − Φ Ω⁻² Φᵀ` of certain modes.
-pub(crate) struct Beside<'a> {
-    residual: &'a Residual,
+pub(crate) enum Beside<'a> {
+    Solved(SolvedBeside<'a>),
+    Given(&'a Mat<f64>),
+}
+
+impl Beside<'_> {
+    /// `G P` for the columns of `loads` (n × any).
+    pub fn answer(&self, loads: Mat<f64>) -> Mat<f64> {
+        match self {
+            Self::Solved(solved) => solved.answer(loads),
+            Self::Given(flexibility) => *flexibility * loads,
+        }
+    }
+}
+
+/// The same where loads are solved for.
+pub(crate) struct SolvedBeside<'a> {
+    solved: &'a Solved,
     shapes: &'a Mat<f64>,
     /// `M Φ`.
     modal_mass: Mat<f64>,
 }
 
-impl Beside<'_> {
+impl SolvedBeside<'_> {
     /// `G P` for the columns of `loads` (n × any).
     ///
     /// `K x = P − M Φ Φᵀ P` with `Φᵀ M x = 0`: the modes' share is removed from the load, not from the response, where
     /// it would leave rounding errors of the larger part. A floating structure has no `K⁻¹`, but such loads are
     /// self-equilibrated, and `x ← (K + sM)⁻¹ (P + s M x)` converges by a factor `s/(ω² + s)` per iteration, where ω is
     /// that of the first truncated mode.
-    pub fn answer(&self, mut loads: Mat<f64>) -> Mat<f64> {
+    fn answer(&self, mut loads: Mat<f64>) -> Mat<f64> {
         let modal = self.shapes.transpose() * &loads;
         loads -= &self.modal_mass * modal;
-        if self.residual.shift == 0.0 {
-            self.residual.factor.solve_many(&mut loads);
+        if self.solved.shift == 0.0 {
+            self.solved.factor.solve_many(&mut loads);
             self.take_out(&mut loads);
             return loads;
         }
         let balanced = loads;
         let mut x = balanced.clone();
-        self.residual.factor.solve_many(&mut x);
+        self.solved.factor.solve_many(&mut x);
         self.take_out(&mut x);
         for _ in 0..MOST_ITERATIONS {
-            let mut next = &balanced + scaled(multiply_many(&self.residual.mass, &x), self.residual.shift);
-            self.residual.factor.solve_many(&mut next);
+            let mut next = &balanced + scaled(multiply_many(&self.solved.mass, &x), self.solved.shift);
+            self.solved.factor.solve_many(&mut next);
             self.take_out(&mut next);
             let settled = (0..x.ncols()).all(|j| largest(&next, j, Some(&x)) <= SETTLED * largest(&next, j, None));
             x = next;
@@ -131,7 +197,8 @@ mod tests {
             let pencil = Pencil::new(&k, &m).unwrap();
             let (shapes, shift) = (pencil.lowest(6).unwrap().vectors, pencil.shift());
             let rows = multiply_transposed(&w, &shapes);
-            let residual = Residual { factor: Arc::new(pencil.into_factor()), mass: Arc::new(m), shift };
+            let factor = Arc::new(pencil.into_factor());
+            let residual = Residual::Solved(Solved { factor, mass: Arc::new(m), shift });
             let Some(form) = residual.form(&shapes, &rows, &w) else {
                 assert!(!held && shift > 0.0);
                 continue;

@@ -54,7 +54,7 @@ impl ClosedModes {
 impl OpenModes {
     /// Whether the structure floats: rigid-body motions are among its modes.
     pub fn floats(&self) -> bool {
-        self.residual.shift > 0.0
+        self.residual.shift() > 0.0
     }
 
     /// Rigid-body motions among the modes, and how many of them holding all contacts leaves: motions that no contact
@@ -63,7 +63,7 @@ impl OpenModes {
     /// # Errors
     /// [`ReductionError::Linalg`] if the eigenvalues of that matrix are not found.
     pub fn rigid_motions(&self) -> Result<(usize, usize), ReductionError> {
-        let elastic = RIGID * self.residual.shift;
+        let elastic = RIGID * self.residual.shift();
         let rigid = self.omega_squared.iter().take_while(|square| self.floats() && **square <= elastic).count();
         if rigid == 0 {
             return Ok((0, 0));

@@ -57,7 +57,7 @@ pub fn of_dofs(state: &StaticState, dofs: &[usize]) -> Vec<f64> {
 /// degrees of freedom of rods and beams, and of others in free-interface modes the reduced ones.
 pub fn written_displacement(scene: &Scene, open: Option<&OpenStructure>, state: &StaticState) -> Vec<f64> {
     match open.filter(|_| scene.structure.straight().is_none()) {
-        Some(open) => reduced_state(open, &state.displacement),
+        Some(open) => coordinates_of_state(open, state).col(0).iter().copied().collect(),
         None => state.displacement.clone(),
     }
 }
@@ -104,15 +104,22 @@ fn recover_point(open: &OpenStructure, dofs: &[usize], point: &mut ModalPoint) {
     point.coefficients = joined(&q);
 }
 
-/// The reduced coordinates of the displacements of all degrees of freedom, harmonic by harmonic.
-pub fn reduced(open: &OpenStructure, coefficients: &HarmonicCoefficients) -> HarmonicCoefficients {
-    joined(&open.reduced.coordinates(&open.modes, &parts(coefficients)))
+/// The reduced coordinates of the displacement under static loads, as one column.
+pub fn coordinates_of_state(open: &OpenStructure, state: &StaticState) -> Mat<f64> {
+    let [eta, gaps] = [&state.modal, &state.opening].map(|of| Mat::from_fn(of.len(), 1, |i, _| of[i]));
+    open.reduced.joined(&eta, &gaps)
 }
 
-/// The reduced coordinates of displacements.
-pub fn reduced_state(open: &OpenStructure, q: &[f64]) -> Vec<f64> {
-    let x = open.reduced.coordinates(&open.modes, &Mat::from_fn(q.len(), 1, |i, _| q[i]));
-    (0..x.nrows()).map(|i| x[(i, 0)]).collect()
+/// The reduced coordinates of the displacements of all degrees of freedom, harmonic by harmonic; none where their mass
+/// is not known.
+pub fn reduced(open: &OpenStructure, coefficients: &HarmonicCoefficients) -> Option<HarmonicCoefficients> {
+    open.reduced.coordinates(&open.modes, &parts(coefficients)).map(|x| joined(&x))
+}
+
+/// The reduced coordinates of displacements; none where their mass is not known.
+pub fn reduced_state(open: &OpenStructure, q: &[f64]) -> Option<Vec<f64>> {
+    let x = open.reduced.coordinates(&open.modes, &Mat::from_fn(q.len(), 1, |i, _| q[i]))?;
+    Some((0..x.nrows()).map(|i| x[(i, 0)]).collect())
 }
 
 /// The displacements of all degrees of freedom of reduced coordinates.
@@ -170,7 +177,7 @@ mod tests {
         let n = open.reduced.model().dofs().len();
         let x: Vec<f64> = (0..n).map(|i| ((i * i + 3) % 7) as f64 - 2.5).collect();
         let q = displacements(&open, &x);
-        let back = reduced_state(&open, &q);
+        let back = reduced_state(&open, &q).unwrap();
         assert!(back.iter().zip(&x).all(|(a, b)| (a - b).abs() < 1e-9), "{back:?} {x:?}");
         let SceneStructure::Straight(structure) = &scene.structure else { panic!("a beam") };
         let full = element_model(structure, &scene.contacts).unwrap();

@@ -9,7 +9,7 @@ use nlmodes::timestep::TimestepError;
 use nlmodes_reduction::OpenModes;
 use nlmodes_scene::assemble::{OpenStructure, Strainless};
 use nlmodes_scene::doubts::contacts_balance;
-use nlmodes_scene::scene::{Direction, ResponseKind, Scene, StructureKind};
+use nlmodes_scene::scene::{Direction, ResponseKind, Scene, SceneStructure, StructureKind};
 use nlmodes_scene::{SceneError, SceneFile, short};
 
 use crate::{RunError, chain};
@@ -56,8 +56,8 @@ pub fn unless_supported(file: &SceneFile, modes: &OpenModes, open: Option<&OpenS
         known.map(bodies).unwrap_or_default(),
         known.unwrap_or(&of_axis).text()
     );
-    let unseen = known.map(Strainless::unseen_text);
-    let help: Vec<&str> = [support(file)].into_iter().chain(unseen.as_deref()).collect();
+    let unseen = known.and_then(Strainless::unseen_text);
+    let help: Vec<&str> = [support(&file.scene)].into_iter().chain(unseen.as_deref()).collect();
     Err(file.error_at("structure", &title, "", &help).into())
 }
 
@@ -85,7 +85,8 @@ pub fn unless_branch(file: &SceneFile, open: Option<&OpenStructure>) -> Result<(
         return Ok(());
     }
     let title = format!(
-        "mode {mode} strains nothing that the digits of the files show: the structure has {}",
+        "mode {mode} strains nothing{}: the structure has {}",
+        if open.strainless.unseen_hz > 0.0 { " that the digits of the files show" } else { "" },
         open.strainless.text()
     );
     let first = open.modes.omega_squared().get(count).map(|square| nlmodes::report::hertz(square.sqrt()));
@@ -93,12 +94,27 @@ pub fn unless_branch(file: &SceneFile, open: Option<&OpenStructure>) -> Result<(
         || "expected a structure with an elastic mode".to_owned(),
         |hz| format!("expected {} or more: that is the first elastic mode, {} Hz", count + 1, short(hz)),
     );
-    let help = [SUPPORT, &open.strainless.unseen_text()];
+    let unseen = open.strainless.unseen_text();
+    let help: Vec<&str> = [support(&file.scene)].into_iter().chain(unseen.as_deref()).collect();
     Err(file.error_at("method.mode", &title, &expected, &help).into())
 }
 
-const SUPPORT: &str = "a support is missing: boundary conditions of the model before its matrices are written, or \
-nodes in `structure.fixed`";
+/// Where a support would stand.
+fn support(scene: &Scene) -> &'static str {
+    match &scene.structure {
+        SceneStructure::Straight(_) | SceneStructure::Several(_) => {
+            "a support is missing: `start`, `end` or a `[[structure.spring]]`"
+        }
+        SceneStructure::Matrices(_) => {
+            "a support is missing: boundary conditions of the model before its matrices are written, or nodes in \
+            `structure.fixed`"
+        }
+        SceneStructure::Reduced(_) => {
+            "a support is missing: boundary conditions of the model before it is reduced, or a soft spring to the \
+            ground"
+        }
+    }
+}
 
 /// A structure that its contacts do not hold: the mean of contact forces could not be balanced.
 fn floating(file: &SceneFile, open: &OpenStructure, (rigid, left): (usize, usize)) -> RunError {
@@ -108,15 +124,7 @@ fn floating(file: &SceneFile, open: &OpenStructure, (rigid, left): (usize, usize
         "the structure can move as a rigid body{body}: {rigid} {modes} {strain} nothing, and holding all contacts \
         leaves {left} of these motions"
     );
-    file.error_at("structure", &title, "", &[support(file)]).into()
-}
-
-/// What holds a structure of this kind.
-fn support(file: &SceneFile) -> &'static str {
-    match file.scene.structure.matrices() {
-        Some(_) => SUPPORT,
-        None => "a support is missing: `start`, `end` or a `[[structure.spring]]`",
-    }
+    file.error_at("structure", &title, "", &[support(&file.scene)]).into()
 }
 
 /// An error of a branch, at the key of the scene that it is about.

@@ -4,6 +4,7 @@ mod contact;
 mod open;
 mod parts;
 mod places;
+mod reduced;
 mod several;
 mod shared;
 mod static_loads;
@@ -25,7 +26,8 @@ use nlmodes_reduction::ReductionError;
 use thiserror::Error;
 
 pub use open::{NodeContacts, OpenStructure, dofs, free_modes, node_contacts};
-pub use places::{Body, node_weights};
+pub use places::{Body, node_weights, row_weights};
+pub use reduced::{ReducedElsewhere, ReducedProblem};
 pub use shared::Structures;
 pub use static_loads::StaticState;
 pub use strainless::Strainless;
@@ -151,6 +153,38 @@ pub enum StructureError {
         /// Degrees of freedom of the structure.
         dofs: usize,
     },
+    /// What another program computed of a structure is not what it should be.
+    #[error("{problem}")]
+    Reduced {
+        /// The key below `structure` that it is about.
+        key: &'static str,
+        /// What is wrong with it.
+        #[source]
+        problem: ReducedProblem,
+    },
+    /// A contact of a row that there is not.
+    #[error(
+        "`contact.{contact}.row` is {row}, but `structure.contact_rows` has {rows} rows; expected one of them, from 1"
+    )]
+    NoSuchRow {
+        /// The contact, from 0.
+        contact: usize,
+        /// The row that it names.
+        row: usize,
+        /// How many there are.
+        rows: usize,
+    },
+    /// More modes are asked for than another program computed.
+    #[error(
+        "`reduction.modes` asks for {asked} modes, and `structure.frequencies_hz` has {available}; expected at most \
+        as many"
+    )]
+    TooManyGivenModes {
+        /// What the scene asks for.
+        asked: usize,
+        /// Modes that there are.
+        available: usize,
+    },
     /// A contact does not fit the model of the files.
     #[error(transparent)]
     Contact(#[from] ContactError),
@@ -257,7 +291,9 @@ impl StructureError {
         match self {
             Self::Elements(_) | Self::Matrices(_) | Self::Floating => "structure".into(),
             Self::Read { key, .. } => format!("structure.{key}"),
-            Self::TooManyModes { .. } => "reduction.modes".into(),
+            Self::Reduced { key, .. } => format!("structure.{key}"),
+            Self::NoSuchRow { contact, .. } => format!("contact.{contact}.row"),
+            Self::TooManyModes { .. } | Self::TooManyGivenModes { .. } => "reduction.modes".into(),
             Self::Mass(_) => "structure.mass".into(),
             Self::Buckled { .. } | Self::Negative | Self::Digits { .. } => "structure.stiffness".into(),
             Self::Imposed(_) => "structure.modes.frequencies_hz".into(),
@@ -352,6 +388,8 @@ fn full_model(scene: &Scene, structures: &Structures) -> Result<StructuralModel,
             let model = StructuralModel::new(files.mass.symmetric()?, files.stiffness.symmetric()?, dofs, contacts)?;
             Ok(model.with_places(places)?)
         }
+        // Nothing but its reduced equations is known of it.
+        SceneStructure::Reduced(_) => Ok(OpenStructure::of(scene, structures)?.reduced.model().clone()),
     }
 }
 

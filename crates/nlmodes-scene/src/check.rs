@@ -10,6 +10,7 @@ mod nodes;
 mod parts;
 mod plausible;
 mod records;
+mod reduced;
 mod reduction;
 mod response;
 mod section;
@@ -29,7 +30,7 @@ use parts::Fixed;
 use crate::Diagnostics;
 use crate::check::contact::Body;
 use crate::check::response::Places;
-use crate::raw::{RawAnalysis, RawBodiesScene, RawMatrixScene, RawMethod, RawScene, RawStructure};
+use crate::raw::{RawAnalysis, RawBodiesScene, RawMatrixScene, RawMethod, RawReducedScene, RawScene, RawStructure};
 use crate::scene::{
     Contact, MassRule, Method, MethodKind, OutputFiles, Overlay, ReductionKind, Scene, SceneStructure, Structure,
 };
@@ -97,6 +98,21 @@ pub fn matrix_scene(raw: &RawMatrixScene, stem: &str, base: &Path, diagnostics: 
     Some(scene)
 }
 
+/// The checked scene of a structure that was reduced elsewhere, in the same way; paths count from `base`.
+pub fn reduced_scene(
+    raw: &RawReducedScene,
+    stem: &str,
+    base: &Path,
+    diagnostics: &mut Diagnostics<'_>,
+) -> Option<Scene> {
+    let model = reduced::check(raw, base, diagnostics).map(SceneStructure::Reduced);
+    let contact_tables = raw.contact.as_ref().map_or(0, Vec::len);
+    let subject = Subject { places: Places::Rows, contact_tables };
+    let scene = rest(&raw.analysis, (stem, base), model, Vec::new(), &subject, diagnostics)?;
+    plausible::stops(&scene, diagnostics);
+    Some(scene)
+}
+
 /// A rod or beam of a scene that has its stops elsewhere, at these positions.
 fn one_structure(raw: &RawStructure, stops: &[f64], diagnostics: &mut Diagnostics<'_>) -> Option<Structure> {
     let nodes = nodes::mesh(raw, stops, diagnostics)?;
@@ -134,6 +150,9 @@ fn rest(
         contacts.iter_mut().for_each(|contact| _ = contact.stiffness.get_or_insert(stiffness));
         if let Some(SceneStructure::Matrices(matrices)) = &mut structure {
             matrices.contacts.iter_mut().for_each(|contact| _ = contact.stiffness.get_or_insert(stiffness));
+        }
+        if let Some(SceneStructure::Reduced(model)) = &mut structure {
+            model.row_contacts.iter_mut().for_each(|contact| _ = contact.stiffness.get_or_insert(stiffness));
         }
     }
     let reduction = reduction::check(raw, (default, &subject.places), diagnostics);

@@ -147,7 +147,8 @@ impl<'w> Walk<'w, '_, '_> {
             (Kind::Text | Kind::IntegerOrText | Kind::TextOrNumbers, DeValue::String(text)) => {
                 value::in_text(path, text, rule).map_or_else(|| Ok(Value::from(text.as_ref())), Err)
             }
-            (Kind::OneOf, value) if rule.fits(value) => Ok(any(value)),
+            (Kind::OneOf, DeValue::String(_)) if factor != Factor::Ten(0) => Err(value::of_a_file(path, rule)),
+            (Kind::OneOf, value) if rule.fits(value) => Ok(in_unit(any(value), factor)),
             (Kind::OneOf, _) => Err(value::unfit(path)),
             (_, other) => Err(value::wrong_kind(&self.diagnostics.as_written(path), other, rule)),
         };
@@ -205,6 +206,15 @@ fn size(value: &DeValue<'_>) -> f64 {
         DeValue::Float(x) => x.as_str().parse().unwrap_or(f64::NAN),
         DeValue::Integer(_) => whole(value).map_or(f64::MAX, |n| n as f64),
         _ => f64::NAN,
+    }
+}
+
+/// The same with its numbers in the unit of the schema.
+fn in_unit(value: Value, factor: Factor) -> Value {
+    match value {
+        Value::Array(items) => items.into_iter().map(|item| in_unit(item, factor)).collect(),
+        Value::Number(x) if factor != Factor::Ten(0) => Value::from(factor.apply(x.as_f64().unwrap_or(f64::NAN))),
+        other => other,
     }
 }
 

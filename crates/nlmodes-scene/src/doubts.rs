@@ -8,6 +8,7 @@ mod distances;
 mod mesh;
 mod modes;
 mod normals;
+mod reduced;
 mod scale;
 
 pub(crate) use base::unplaced_unknowns;
@@ -18,9 +19,12 @@ use crate::assemble::OpenStructure;
 use crate::rule::number;
 use crate::scene::{Matrices, Scene};
 
-/// What a user should know of a structure from files before trusting what comes out, in sentences; none of other
-/// structures.
+/// What a user should know of a structure from files, or of one that was reduced elsewhere, before trusting what comes
+/// out, in sentences; none of other structures.
 pub fn of(scene: &Scene, open: &OpenStructure) -> Vec<String> {
+    if let Some(elsewhere) = &open.elsewhere {
+        return reduced::doubts(elsewhere, open).into_iter().chain(modes::doubts(scene, open)).collect();
+    }
     let (Some(matrices), Some((model, found))) = (scene.structure.matrices(), &open.files) else { return Vec::new() };
     let skin = model.mesh.as_ref().map(Skin::of_solids).unwrap_or_default();
     let subject = Subject { matrices, model, found, skin: &skin };

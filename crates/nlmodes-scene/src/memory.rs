@@ -6,7 +6,7 @@ use std::str::FromStr;
 use nlmodes::hbm::MAX_RECORDED;
 use nlmodes_io::FeFiles;
 
-use crate::scene::{RecordScene, Scene, SceneStructure, Switching, Symmetry, TestScene};
+use crate::scene::{Numbers, RecordScene, ReducedModel, Scene, SceneStructure, Switching, Symmetry, TestScene};
 use crate::{AnyScene, SceneError, SceneFile};
 
 const GIB: f64 = 1024.0 * 1024.0 * 1024.0;
@@ -125,6 +125,7 @@ impl Needs {
             }
             // Reading and factorising the files comes before the reduced problem.
             SceneStructure::Matrices(matrices) => (of_files(&matrices.files), REDUCED_DOFS),
+            SceneStructure::Reduced(model) => (of_numbers(model), REDUCED_DOFS),
         };
         // An accuracy may choose its most everywhere.
         let harmonics = method.accuracy.map_or(method.harmonics, |accuracy| accuracy.max_harmonics) as f64;
@@ -160,6 +161,16 @@ pub(crate) fn of_files(files: &FeFiles) -> f64 {
     // A factor of a solid grows with the 4/3rd power of its size.
     let unknowns = entries / ENTRIES_OF_A_ROW;
     BYTES_OF_A_READ_ENTRY * entries + FACTOR * unknowns.powf(4.0 / 3.0)
+}
+
+/// Bytes of the numbers of a structure that was reduced elsewhere while they are read and judged.
+fn of_numbers(model: &ReducedModel) -> f64 {
+    let size = |numbers: &Numbers| match numbers {
+        Numbers::File(address) => fs::metadata(&address.path).map_or(0.0, |data| data.len() as f64),
+        Numbers::List(_) | Numbers::Table(_) => 0.0,
+    };
+    DENSE_COPIES
+        * [&model.frequencies_hz, &model.contact_rows, model.flexibility.numbers()].map(size).iter().sum::<f64>()
 }
 
 /// Number of matrix entries in a text file of this size: the larger the matrix, the more digits its indices have, on
@@ -253,7 +264,11 @@ pub fn admit(files: &mut [SceneFile], limit: Option<Limit>) -> Result<(), SceneE
 
 fn too_large(file: &SceneFile, needs: Needs, least: f64, limit: Limit) -> SceneError {
     let scene = &file.scene;
-    let structure = if scene.structure.straight().is_some() { "structure.elements" } else { "structure.stiffness" };
+    let structure = match &scene.structure {
+        SceneStructure::Straight(_) => "structure.elements",
+        SceneStructure::Several(_) | SceneStructure::Matrices(_) => "structure.stiffness",
+        SceneStructure::Reduced(_) => "structure.contact_rows",
+    };
     let path = if needs.structure > needs.problem { structure } else { "method.harmonics" };
     let title = format!("the scene needs some {} of memory", text(least));
     let elements = scene.structure.straight().map(|structure| (structure.elements, "element"));
@@ -261,9 +276,14 @@ fn too_large(file: &SceneFile, needs: Needs, least: f64, limit: Limit) -> SceneE
     let all = elements.into_iter().chain(counts);
     let label: Vec<String> = all.map(|(n, name)| format!("{n} {name}{}", if n == 1 { "" } else { "s" })).collect();
     let label = label.join(", ");
-    let less = match scene.structure.straight() {
-        Some(_) => "fewer `structure.elements`, `method.harmonics` or `method.held_modes` take less",
-        None => "a coarser mesh or fewer `method.harmonics` take less",
+    let less = match &scene.structure {
+        SceneStructure::Straight(_) => {
+            "fewer `structure.elements`, `method.harmonics` or `method.held_modes` take less"
+        }
+        SceneStructure::Several(_) | SceneStructure::Matrices(_) => {
+            "a coarser mesh or fewer `method.harmonics` take less"
+        }
+        SceneStructure::Reduced(_) => "fewer rows or fewer `method.harmonics` take less",
     };
     file.error_at(path, &title, &label, &[&limit.help(least), less]).with_last_line("nothing was computed or written")
 }

@@ -3,6 +3,7 @@
 
 mod matrices;
 mod records;
+mod reduced;
 mod responses;
 mod static_loads;
 mod structure;

@@ -14,8 +14,18 @@ pub fn is_of_records(root: &DeTable<'_>) -> bool {
 
 /// Whether the scene describes a structure from the files of a finite-element program.
 pub fn is_of_matrices(root: &DeTable<'_>) -> bool {
+    has_kind(root, "matrices")
+}
+
+/// Whether the scene describes a structure that was reduced elsewhere.
+pub fn is_of_reduced(root: &DeTable<'_>) -> bool {
+    has_kind(root, "reduced")
+}
+
+/// Whether the one structure of the scene says that it is of this kind.
+fn has_kind(root: &DeTable<'_>, wanted: &str) -> bool {
     let Some(DeValue::Table(structure)) = root.get("structure").map(|value| value.get_ref()) else { return false };
-    matches!(structure.get("kind").map(|kind| kind.get_ref()), Some(DeValue::String(kind)) if kind == "matrices")
+    matches!(structure.get("kind").map(|kind| kind.get_ref()), Some(DeValue::String(kind)) if kind == wanted)
 }
 
 /// Whether the scene describes several structures under headings `[[structure]]`.

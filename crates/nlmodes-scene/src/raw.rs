@@ -8,6 +8,7 @@ mod matrices;
 mod method;
 mod parts;
 mod records;
+mod reduced;
 mod response;
 mod static_loads;
 mod structure;
@@ -17,6 +18,7 @@ pub use matrices::{NameOrNumbers, NumberOrName, RawMatrices, RawMatrixScene, Raw
 pub use method::{DEFAULT_MAX_HARMONICS, RawMethod};
 pub use parts::{RawSegment, RawSpring};
 pub use records::{RawChannel, RawExtraction, RawLinearModes, RawPbmifHarmonics, RawRecordScene, RawStop};
+pub use reduced::{RawReduced, RawReducedScene, RawRowContact};
 pub use response::{
     RawBaseMotion, RawDamping, RawDashpot, RawDirection, RawForce, RawModeDamping, RawPlace, RawResponse,
 };

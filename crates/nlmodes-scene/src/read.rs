@@ -156,6 +156,10 @@ fn one_method(read: Read<'_, '_>) -> Result<SceneFile, SceneError> {
         let raw: Option<raw::RawMatrixScene> =
             root.and_then(|root| tables(root, other, schema::of_matrices(), &mut diagnostics));
         raw.and_then(|raw| check::matrix_scene(&raw, &stem, &base(text.name), &mut diagnostics))
+    } else if root.as_ref().is_some_and(|root| planned::is_of_reduced(root.get_ref())) {
+        let raw: Option<raw::RawReducedScene> =
+            root.and_then(|root| tables(root, other, schema::of_reduced(), &mut diagnostics));
+        raw.and_then(|raw| check::reduced_scene(&raw, &stem, &base(text.name), &mut diagnostics))
     } else if root.as_ref().is_some_and(|root| planned::is_of_bodies(root.get_ref())) {
         let raw: Option<raw::RawBodiesScene> =
             root.and_then(|root| tables(root, other, schema::of_bodies(), &mut diagnostics));

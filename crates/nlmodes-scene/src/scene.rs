@@ -5,6 +5,7 @@ mod continuation;
 mod output;
 mod parts;
 mod records;
+mod reduced;
 mod reduction;
 mod response;
 mod static_loads;
@@ -15,14 +16,15 @@ mod virtual_test;
 pub use choices::{
     AtBranchPoint, BackboneMethod, ChannelRole, ContactSolver, Direction, ExciterKind, FrequencyDirection,
     InternalResonance, LevelOrder, LoopDetector, MassMatrix, MassRule, MatricesKind, MeasuredQuantity, MethodKind,
-    RecordFormat, ReductionKind, ResponseKind, Side, SpringDirection, StabilityChoice, StopOfBase, StructureKind,
-    Support, Switching, Symmetry, UpdatedParameter,
+    RecordFormat, ReducedKind, ReductionKind, ResponseKind, Side, SpringDirection, StabilityChoice, StopOfBase,
+    StructureKind, Support, Switching, Symmetry, UpdatedParameter,
 };
 
 pub use continuation::{Continuation, Start};
 pub use output::{Directory, Output, OutputFiles, Overlay, Requirement};
 pub use parts::{GroundSpring, MassPoint, Refined, Segment};
 pub use records::RecordScene;
+pub use reduced::{Flexibility, Numbers, ReducedModel, RowContact};
 pub use reduction::{Matrices, Reduction, SceneStructure};
 pub use response::{BaseDirection, BaseMotion, Damping, Dashpot, Force, ModeDamping, Place, Response};
 pub use static_loads::{ForcePlace, Gravity, StaticForce, StaticLoads, Thermal};
@@ -95,7 +97,11 @@ pub struct Scene {
 impl Scene {
     /// Number of `[[contact]]` tables.
     pub fn n_contact_tables(&self) -> usize {
-        self.structure.matrices().map_or(self.contacts.len(), |matrices| matrices.contacts.len())
+        match &self.structure {
+            SceneStructure::Straight(_) | SceneStructure::Several(_) => self.contacts.len(),
+            SceneStructure::Matrices(matrices) => matrices.contacts.len(),
+            SceneStructure::Reduced(model) => model.row_contacts.len(),
+        }
     }
 
     /// Whether the structure is reduced by its open modes.

@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde_json::{Map, Value, json};
 
-use crate::raw::{RawBodiesScene, RawMatrixScene, RawRecordScene, RawScene, RawTestScene};
+use crate::raw::{RawBodiesScene, RawMatrixScene, RawRecordScene, RawReducedScene, RawScene, RawTestScene};
 
 /// JSON schema of a scene of a structure (draft 2020-12), without references. Units stand under the extra key `unit`.
 pub fn schema() -> Value {
@@ -25,6 +25,12 @@ pub fn of_structure() -> &'static Value {
 pub fn of_matrices() -> &'static Value {
     static SCHEMA: OnceLock<Value> = OnceLock::new();
     SCHEMA.get_or_init(schema_of::<RawMatrixScene>)
+}
+
+/// The schema of a scene of a structure that was reduced elsewhere, in the same way.
+pub fn of_reduced() -> &'static Value {
+    static SCHEMA: OnceLock<Value> = OnceLock::new();
+    SCHEMA.get_or_init(schema_of::<RawReducedScene>)
 }
 
 /// The schema of a scene of several structures, in the same way.
@@ -47,7 +53,8 @@ pub fn of_test() -> &'static Value {
 
 /// JSON schema of all scenes: the keys of all kinds, and which of them each kind demands.
 pub fn whole_schema() -> Value {
-    let mut schema = whole::joined(&[of_structure(), of_bodies(), of_matrices(), of_records(), of_test()]);
+    let mut schema =
+        whole::joined(&[of_structure(), of_bodies(), of_matrices(), of_reduced(), of_records(), of_test()]);
     schema["title"] = json!("nlmodes scene");
     schema["$schema"] = of_structure()["$schema"].clone();
     for table in ["method", "response"] {

@@ -12,6 +12,7 @@ mod interrupted;
 mod interrupted_responses;
 mod measured_records;
 mod messages;
+mod reduced_elsewhere;
 mod responses;
 mod results_files;
 mod shooting;

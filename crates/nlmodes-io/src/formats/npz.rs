@@ -1,18 +1,19 @@
 //! Archives of `scipy.sparse.save_npz`: `format`, `shape`, `data` and the indices, stored or deflated, read side by
-//! side.
+//! side; and plain arrays of `numpy.savez` and `numpy.save`.
 
 use std::fs::File;
 use std::io::{self, BufReader, Cursor, Read};
 use std::path::Path;
 
 use npyz::npz::NpzArchive;
-use npyz::{DType, NpyFile, TypeChar};
+use npyz::{DType, NpyFile, Order, TypeChar};
 
 use super::compressed::Layout;
 use super::{check_entries, check_order};
 use crate::build::{EntryBuilder, Stored, Triangles};
 use crate::error::{Place, Problem, ReadError, Result, shown};
 use crate::lower::LowerTriangle;
+use crate::numbers::NumberTable;
 
 /// Most bytes of the text that describes an array.
 const MAX_HEADER: usize = 4096;
@@ -27,6 +28,38 @@ pub(super) fn read(path: &Path, expected: Option<usize>) -> Result<LowerTriangle
         "coo" => file.coordinates(expected),
         other => Err(file.refuse("format", "csc, csr or coo (A.tocsc() before it is saved)", shown(other.as_bytes()))),
     }
+}
+
+/// An array of an archive: the one of this name, or the only one.
+pub(crate) fn read_array(path: &Path, name: Option<&str>) -> Result<NumberTable> {
+    let file = Npz { path };
+    let mut archive = file.open()?;
+    let mut known: Vec<String> = archive.array_names().map(str::to_owned).collect();
+    known.sort();
+    let name = match (name, &known[..]) {
+        (Some(name), _) => name.to_owned(),
+        (None, [only]) => only.clone(),
+        (None, _) => {
+            let example = format!("{}#{}", path.display(), known.first().map_or("frequencies", String::as_str));
+            return Err(ReadError::whole(path, Problem::Ambiguous { what: "arrays", known, example }));
+        }
+    };
+    let array = file.array(&mut archive, &name)?;
+    file.table(array, &name)
+}
+
+/// The array of a file of `numpy.save`.
+pub(crate) fn read_lone_array(path: &Path) -> Result<NumberTable> {
+    let file = Npz { path };
+    let failed = |error: io::Error| ReadError::whole(path, Problem::Io(error));
+    let mut input = BufReader::new(File::open(path).map_err(failed)?);
+    let damaged = |error: io::Error| {
+        let expected = "a file of numpy.save".into();
+        ReadError::whole(path, Problem::Expected { expected, found: error.to_string() })
+    };
+    let header = header(&mut input).map_err(damaged)?;
+    let array = NpyFile::new(Cursor::new(header).chain(input)).map_err(damaged)?;
+    file.table(array, "the array")
 }
 
 struct Npz<'a> {
@@ -187,13 +220,51 @@ impl Npz<'_> {
     fn reals<'a>(&'a self, archive: &'a mut Archive, name: &'static str) -> Result<Numbers<'a, f64>> {
         let file = self.array(archive, name)?;
         let length = self.length(&file, name)?;
+        Ok(Numbers { name, length, values: self.real_values(file, name)? })
+    }
+
+    /// An array of up to two dimensions, its numbers row by row.
+    fn table<R: Read>(&self, file: NpyFile<R>, name: &str) -> Result<NumberTable> {
+        let (order, lengths) = (file.order(), file.shape().to_vec());
+        let shape: Vec<usize> = lengths.iter().filter_map(|length| usize::try_from(*length).ok()).collect();
+        let count = shape.iter().try_fold(1_usize, |product, length| product.checked_mul(*length));
+        let (Some(count), true, true) = (count, shape.len() == lengths.len(), shape.len() <= 2) else {
+            let found = format!("{} dimensions", lengths.len());
+            return Err(self.refuse(name, "an array of one or two dimensions", found));
+        };
+        let mut values = Vec::new();
+        for value in self.real_values(file, name)? {
+            values.push(self.finite(value?, (name, values.len()))?);
+        }
+        if values.len() != count {
+            let what = "length of the array, as its shape says".to_owned();
+            return Err(self.part(name, Problem::Size { what, expected: count as u64, found: values.len() as u64 }));
+        }
+        if let (Order::Fortran, &[rows, columns]) = (order, &shape[..]) {
+            values = (0..count).map(|k| values[k / columns + (k % columns) * rows]).collect();
+        }
+        Ok(NumberTable { shape, values })
+    }
+
+    fn finite(&self, value: f64, (name, index): (&str, usize)) -> Result<f64> {
+        if value.is_finite() {
+            return Ok(value);
+        }
+        let place = Place::Entry { array: name.to_owned(), index: index as u64 };
+        Err(ReadError::new(self.path, place, Problem::NotFinite { what: "number", found: value.to_string() }))
+    }
+
+    fn real_values<'a, R: Read + 'a>(
+        &'a self,
+        file: NpyFile<R>,
+        name: &'a str,
+    ) -> Result<Box<dyn Iterator<Item = Result<f64>> + 'a>> {
         let damaged = move |error: io::Error| self.refuse(name, "numbers", error.to_string());
         macro_rules! read_as {
             ($file:ident, $($number:ty),+) => {{
                 $(let $file = match $file.try_data::<$number>() {
                     Ok(reader) => {
-                        let values = reader.map(move |value| value.map(|v| v as f64).map_err(damaged));
-                        return Ok(Numbers { name, length, values: Box::new(values) });
+                        return Ok(Box::new(reader.map(move |value| value.map(|v| v as f64).map_err(damaged))));
                     }
                     Err(file) => file,
                 };)+

@@ -10,6 +10,7 @@ mod models;
 mod mutilations;
 mod nastran;
 mod nested;
+mod numbers;
 mod paraview;
 mod sample;
 mod user_element;

@@ -2,6 +2,7 @@
 //! more.
 
 mod few_digits;
+mod given;
 mod held_modes;
 mod open_modes;
 mod rest;

@@ -8,6 +8,7 @@ use nlmodes::hbm::CondensedStructure;
 use nlmodes::modal::ModalPoint;
 use nlmodes_reduction::OpenModes;
 use nlmodes_scene::counted;
+use nlmodes_scene::scene::Scene;
 
 use super::{
     BROKEN_OFF, CERTIFY, Check, ErrorSource, Looking, Number, Place, SourceKind, Sources, Worst, listed, named,
@@ -103,9 +104,9 @@ fn estimated(computed: &ComputedBranch, source: ErrorSource) -> Option<Check> {
 
 /// What modes left out do to the linear frequency of a mode with a contact closed: an estimate, or nothing where half
 /// as many do not reach the mode.
-pub(crate) fn open_modes(open: &OpenModes, mode: usize, contact: usize) -> Check {
-    let kept = open.n_modes();
-    let (name, command) = (counted(kept, "mode"), format!("--set reduction.modes={}", 2 * kept));
+pub(crate) fn open_modes(scene: &Scene, open: &OpenModes, contact: usize) -> Check {
+    let (kept, mode) = (open.n_modes(), scene.method.mode);
+    let (name, command) = (counted(kept, "mode"), more_modes(scene, kept));
     let of = (Number::Frequency, ErrorSource { kind: SourceKind::Modes, name, command });
     if open.has_all_modes() {
         return Check::estimate(MODES, of, 0.0, format!("open modes: all {kept} are kept"));
@@ -127,11 +128,19 @@ pub(crate) fn open_modes(open: &OpenModes, mode: usize, contact: usize) -> Check
     }
 }
 
+/// What makes twice as many open modes.
+pub(crate) fn more_modes(scene: &Scene, kept: usize) -> String {
+    match scene.structure.reduced() {
+        Some(_) => format!("{} modes of the program that reduced the structure", 2 * kept),
+        None => format!("--set reduction.modes={}", 2 * kept),
+    }
+}
+
 /// What twice as many held modes change.
 pub fn modes(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>, look: Looking<'_>) -> Vec<Check> {
     let frequency = Number::Frequency;
     if let Some(open) = sources.open {
-        return vec![open_modes(&open.modes, sources.scene.method.mode, computed.grazing.contact)];
+        return vec![open_modes(sources.scene, &open.modes, computed.grazing.contact)];
     }
     let structure = &computed.structure;
     let (kept, all) = (structure.n_held_modes(), structure.model().linear_dofs().len());

@@ -17,6 +17,9 @@ pub fn frequency(scene: &Scene) -> Check {
     let own = match &scene.structure {
         SceneStructure::Straight(own) => own,
         SceneStructure::Several(_) => return missing("there are several structures", "elements twice as many in each"),
+        SceneStructure::Reduced(_) => {
+            return missing("the structure was reduced elsewhere", "modes and flexibility of a finer mesh");
+        }
         SceneStructure::Matrices(_) => {
             return missing("the structure comes from files", "a finer mesh in the program that wrote them");
         }

@@ -5,14 +5,14 @@ mod solids;
 
 use nlmodes::branches::ComputedBranch;
 use nlmodes::modal::{HarmonicCoefficients, PeakStress};
-use nlmodes_scene::assemble::OpenStructure;
+use nlmodes_scene::assemble::{OpenStructure, StaticState};
 use nlmodes_scene::scene::Scene;
 use num_complex::Complex64;
 
 use super::Curve;
 use super::space::FRAMES;
 use crate::Failure;
-use crate::physical::{joined, parts, recorded};
+use crate::physical::{coordinates_of_state, joined, parts, recorded};
 use lines::Lines;
 pub use solids::{PointStress, Solids};
 
@@ -105,7 +105,7 @@ pub fn moves_of_branch(
         // The reduced coordinates hold the modal share of the static displacements already.
         Some(open) => {
             let mut all = joined(&open.reduced.displacements(&open.modes, dofs, &parts(own)));
-            let beyond = open.state.as_ref().map(|state| beyond_coordinates(open, &state.displacement, dofs));
+            let beyond = open.state.as_ref().map(|state| beyond_coordinates(open, state, dofs));
             for (k, by) in beyond.into_iter().flatten().enumerate() {
                 all.of_mut(k)[0] += by;
             }
@@ -115,11 +115,9 @@ pub fn moves_of_branch(
 }
 
 /// What static loads move beyond what is recovered from their reduced coordinates, m.
-fn beyond_coordinates(open: &OpenStructure, displacement: &[f64], dofs: &[usize]) -> Vec<f64> {
-    let column = |q: &[f64]| nlmodes::linalg::Mat::from_fn(q.len(), 1, |i, _| q[i]);
-    let x = open.reduced.coordinates(&open.modes, &column(displacement));
-    let known = open.reduced.displacements(&open.modes, dofs, &x);
-    dofs.iter().enumerate().map(|(k, dof)| displacement[*dof] - known[(k, 0)]).collect()
+fn beyond_coordinates(open: &OpenStructure, state: &StaticState, dofs: &[usize]) -> Vec<f64> {
+    let known = open.reduced.displacements(&open.modes, dofs, &coordinates_of_state(open, state));
+    dofs.iter().enumerate().map(|(k, dof)| state.displacement[*dof] - known[(k, 0)]).collect()
 }
 
 /// The series of these degrees of freedom; none where one of them is not recorded.

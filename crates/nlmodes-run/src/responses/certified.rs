@@ -9,7 +9,7 @@ use super::curves::ComputedResponse;
 use super::model::Model;
 use super::summary::imbalance;
 use super::tables::points;
-use crate::certificate::finer::open_modes;
+use crate::certificate::finer::{more_modes, open_modes};
 use crate::certificate::{Certificate, Check, ErrorSource, Number, Place, SourceKind, mesh, residual};
 
 /// Input and dissipated power agree in the equations themselves; what is left comes from where contacts open and close.
@@ -28,7 +28,7 @@ pub fn certificate(scene: &Scene, model: &Model, curves: &[ComputedResponse]) ->
     }
     let harmonics = |n: Number| Check::missing("harmonics", Some(n), "more harmonics were not tried", LARGER);
     checks.extend(Number::ALL.map(harmonics));
-    checks.push(open_modes(model.open_modes(), scene.method.mode, 0));
+    checks.push(open_modes(scene, model.open_modes(), 0));
     checks.push(mesh::frequency(scene));
     checks.extend(mesh::contact_mass(model.shift));
     checks.extend(model.reduction.as_ref().and_then(|open| mesh::digits(open, scene.method.mode)));
@@ -38,7 +38,7 @@ pub fn certificate(scene: &Scene, model: &Model, curves: &[ComputedResponse]) ->
         let source = ErrorSource {
             kind: SourceKind::Dashpots,
             name: "motion of dashpots beyond the modes".to_owned(),
-            command: format!("--set reduction.modes={}", 2 * model.open_modes().n_modes()),
+            command: more_modes(scene, model.open_modes().n_modes()),
         };
         checks.push(Check::estimate("dashpots", (Number::Displacement, source), share, words));
     }

@@ -211,8 +211,10 @@ fn drawn_gaps(parts: &Reduced) -> Vec<f64> {
 fn stop_dampers(scene: &Scene, parts: &Reduced) -> Vec<(usize, usize, f64)> {
     let nodes = parts.reduction.iter().filter_map(|open| open.files.as_ref()).flat_map(|(_, contacts)| contacts);
     let of_nodes = nodes.enumerate().filter_map(|(i, contact)| Some((i, contact.origin, contact.damping?)));
-    let of_elements = scene.contacts.iter().enumerate().filter_map(|(i, contact)| Some((i, i, contact.damping?)));
-    of_nodes.chain(of_elements).collect()
+    let of_elements = scene.contacts.iter().map(|contact| contact.damping);
+    let of_rows = scene.structure.reduced().into_iter().flat_map(|model| &model.row_contacts);
+    let of_tables = of_elements.chain(of_rows.map(|contact| contact.damping)).enumerate();
+    of_nodes.chain(of_tables.filter_map(|(i, damping)| Some((i, i, damping?)))).collect()
 }
 
 /// The mode from which nonlinear modes and phase resonance begin must meet a stop.

@@ -8,6 +8,7 @@ use nlmodes_reduction::{ModeCount, OpenModes, ReductionError};
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::{
     Assembly, Body, Elements, OpenStructure, StaticState, Structures, element_model, node_weights, redistribution,
+    row_weights,
 };
 use nlmodes_scene::scene::{BaseDirection, Place, Scene, StopOfBase, Structure};
 
@@ -39,6 +40,8 @@ enum Source {
     Straight { body: Box<Body>, massless: Option<Box<MasslessContactModel>> },
     /// Degrees of freedom of files.
     Files(Vec<Dof>),
+    /// So many rows of a structure that was reduced elsewhere.
+    Rows(usize),
     /// Several rods and beams, with consecutive degrees of freedom.
     Several(Vec<Body>),
 }
@@ -69,7 +72,11 @@ pub fn reduced(file: &SceneFile, structures: &Structures) -> Result<Reduced, Run
             let number = bodies.partition_point(|body| body.first <= *dof);
             coordinate.kind = format!("{}-{number}", coordinate.kind);
         }
-        let source = if bodies.is_empty() { Source::Files(reduction.dofs.clone()) } else { Source::Several(bodies) };
+        let source = match reduction.elsewhere.as_ref().map(|elsewhere| elsewhere.rows) {
+            Some(rows) => Source::Rows(rows),
+            None if bodies.is_empty() => Source::Files(reduction.dofs.clone()),
+            None => Source::Several(bodies),
+        };
         let warning = scene.base_motion.and_then(|base| missing_mass(&reduction, base.direction));
         return Ok(Reduced { warning, ..Reduced::in_open_modes(reduction, (recorded, coordinates), source) });
     };
@@ -164,10 +171,12 @@ impl Reduced {
                 body.weights(*at, *direction).map_err(|error| chain(&error))
             }
             (Source::Files(dofs), Place::Node { node, direction }) => node_weights(dofs, *node, *direction),
-            (Source::Straight { .. } | Source::Several(_), Place::Node { node, .. }) => {
-                Err(format!("node {node} is one of a structure from files"))
+            (Source::Rows(rows), Place::Row { row }) => row_weights(*rows, *row),
+            (_, Place::Node { node, .. }) => Err(format!("node {node} is one of a structure from files")),
+            (_, Place::Row { row }) => Err(format!("row {row} is one of a structure that was reduced elsewhere")),
+            (Source::Files(_) | Source::Rows(_), Place::Along { .. }) => {
+                Err("a structure from files has no axis".to_owned())
             }
-            (Source::Files(_), Place::Along { .. }) => Err("a structure from files has nodes, no axis".to_owned()),
         }
     }
 
@@ -182,7 +191,9 @@ impl Reduced {
         match (&self.source, &self.reduction) {
             (Source::Straight { body, .. }, _) => body.model.dofs(),
             (Source::Files(dofs), _) => dofs,
-            (Source::Several(_), reduction) => reduction.as_ref().map_or(&[], |reduction| &reduction.dofs),
+            (Source::Several(_) | Source::Rows(_), reduction) => {
+                reduction.as_ref().map_or(&[], |reduction| &reduction.dofs)
+            }
         }
     }
 

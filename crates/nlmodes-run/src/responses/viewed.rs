@@ -16,7 +16,7 @@ use super::curves::ComputedResponse;
 use super::model::Model;
 use crate::Failure;
 use crate::curve::{Curve, Instants};
-use crate::physical::{count_history_from_drawing, reduced_state};
+use crate::physical::count_history_from_drawing;
 
 /// A curve of motions of the model of a scene.
 pub struct Viewed<'a> {
@@ -163,8 +163,8 @@ impl Curve for Viewed<'_> {
         let (found, subharmonic) = self.motion(point)?;
         let mut modal = modal_coordinates(&found.motion, open.modes.n_modes());
         // Motions are about the state at rest; what that has beyond the modes is added to displacements.
-        let still = open.state.as_ref().map(|state| reduced_state(open, &state.displacement));
-        for (mode, by) in still.iter().flatten().take(open.modes.n_modes()).enumerate() {
+        let still = open.state.iter().flat_map(|state| &state.modal);
+        for (mode, by) in still.take(open.modes.n_modes()).enumerate() {
             modal.of_mut(mode)[0] += by;
         }
         let coordinates = |k: usize| {

@@ -100,8 +100,10 @@ impl Point {
             start.iter_mut().for_each(|start| start.iter_mut().zip(&moved).for_each(|(q, by)| *q -= by));
         }
         if let Some(open) = displaced {
-            coefficients = physical::reduced(open, &coefficients);
-            start = start.map(|start| physical::reduced_state(open, &start));
+            let unknown = || VerifyError::Structure { reason: "the mass of its displacements is not known".to_owned() };
+            coefficients = physical::reduced(open, &coefficients).ok_or_else(unknown)?;
+            let reduced = start.map(|start| physical::reduced_state(open, &start).ok_or_else(unknown));
+            start = reduced.transpose()?;
         }
         Ok(Self { number, title: scene.title, model, omega, coefficients, start, symmetry: scene.method.symmetry })
     }

@@ -3,13 +3,13 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use nlmodes::linalg::Mat;
 use nlmodes::model::{Contact, Dof, DofKind, StructuralModel};
 use nlmodes_io::{Component, FeModel, NodeContact, find_contacts};
 use nlmodes_reduction::{ModeCount, OpenModes, ReducedStructure, ReductionError};
 
+use super::reduced::{self, ReducedElsewhere};
 use super::{StaticState, Strainless, StructureError, Structures, static_loads};
-use crate::scene::{Matrices, ReductionKind, Scene, SceneStructure};
+use crate::scene::{Matrices, ReducedModel, ReductionKind, Scene, SceneStructure};
 
 /// Open modes reach so many times as far as the highest harmonic, where the scene does not say how far.
 const BEYOND_HARMONICS: f64 = 4.0;
@@ -43,6 +43,8 @@ pub struct OpenStructure {
     pub contacts: Vec<(usize, f64)>,
     /// The model and the contacts of its nodes, of a structure from files.
     pub files: Option<NodeContacts>,
+    /// What is known of the numbers of a structure that was reduced elsewhere.
+    pub elsewhere: Option<ReducedElsewhere>,
     /// Motions of a structure from files that strain nothing.
     pub strainless: Strainless,
     /// What static loads and stops that press do to it: the gaps of `modes` and `reduced` are those that they leave.
@@ -60,7 +62,20 @@ impl OpenStructure {
                 Self::of_model(scene, &super::full_model(scene, structures)?)
             }
             SceneStructure::Matrices(matrices) => Self::of_files(scene, matrices, structures),
+            SceneStructure::Reduced(model) => Self::of_reduced(scene, model),
         }
+    }
+
+    /// What another program has reduced.
+    fn of_reduced(scene: &Scene, model: &ReducedModel) -> Result<Self, StructureError> {
+        let reduced::Read { modes, dofs, known } = reduced::read(model, scene.reduction)?;
+        let contacts: Vec<(usize, f64)> = model.row_contacts.iter().map(|contact| (contact.row, 0.0)).collect();
+        let damped: Vec<bool> = model.row_contacts.iter().map(|contact| contact.damping.is_some()).collect();
+        let reduced = |modes: &OpenModes| ReducedStructure::new(modes, &contacts);
+        let (modes, reduced) = pressed(scene, modes, (scene.method.mode + 1, &damped), reduced)?;
+        let strainless = Strainless::of_rigid_bodies(modes.openness().strainless);
+        let elsewhere = Some(known);
+        Self { modes, reduced, dofs, contacts, files: None, elsewhere, strainless, state: None }.under_loads(scene)
     }
 
     fn of_model(scene: &Scene, model: &StructuralModel) -> Result<Self, StructureError> {
@@ -76,7 +91,8 @@ impl OpenStructure {
         let (modes, reduced) = pressed(scene, modes, (scene.method.mode, &damped), reduced)?;
         let dofs = model.dofs().to_vec();
         let strainless = Strainless::default();
-        Self { modes, reduced, dofs, contacts, files: None, strainless, state: None }.under_loads(scene)
+        let (files, elsewhere) = (None, None);
+        Self { modes, reduced, dofs, contacts, files, elsewhere, strainless, state: None }.under_loads(scene)
     }
 
     fn of_files(scene: &Scene, matrices: &Matrices, structures: &Structures) -> Result<Self, StructureError> {
@@ -90,7 +106,8 @@ impl OpenStructure {
         let reduced = |modes: &OpenModes| ReducedStructure::new(modes, &contacts);
         let (modes, reduced) = pressed(scene, modes, (scene.method.mode + 1, &damped), reduced)?;
         let dofs = dofs(&model);
-        Self { modes, reduced, dofs, contacts, files: Some((model, found)), strainless, state: None }.under_loads(scene)
+        let (files, elsewhere) = (Some((model, found)), None);
+        Self { modes, reduced, dofs, contacts, files, elsewhere, strainless, state: None }.under_loads(scene)
     }
 
     /// The same with the gaps that static loads leave.
@@ -107,9 +124,7 @@ impl OpenStructure {
     /// Displacements of these degrees of freedom under the static loads beyond those of the modes, m:
     /// `q − Φ Φᵀ M q`.
     pub fn beyond_modes(&self, state: &StaticState, dofs: &[usize]) -> Vec<f64> {
-        let q = Mat::from_fn(state.displacement.len(), 1, |i, _| state.displacement[i]);
-        let eta = self.reduced.coordinates(&self.modes, &q);
-        let shape = |dof: usize, r: usize| self.modes.shapes()[(dof, r)] * eta[(r, 0)];
+        let shape = |dof: usize, r: usize| self.modes.shapes()[(dof, r)] * state.modal[r];
         let modal = |dof: usize| (0..self.modes.n_modes()).map(|r| shape(dof, r)).sum::<f64>();
         dofs.iter().map(|&dof| state.displacement[dof] - modal(dof)).collect()
     }

@@ -88,6 +88,17 @@ pub fn node_weights(dofs: &[Dof], node: u64, direction: [f64; 3]) -> Result<Weig
     Ok(along.filter_map(|(kind, w)| Some((find(kind)?, w))).collect())
 }
 
+/// The motion of a row (from 1) of a structure that was reduced elsewhere and has so many.
+///
+/// # Errors
+/// If there is no such row, in words.
+pub fn row_weights(rows: usize, row: usize) -> Result<Weights, String> {
+    match row.checked_sub(1).filter(|row| *row < rows) {
+        Some(index) => Ok(vec![(index, 1.0)]),
+        None => Err(format!("there is no row {row}: `structure.contact_rows` has {rows}, counted from 1")),
+    }
+}
+
 /// Along the axis of a beam: linear between the nodes.
 fn axial_of_a_beam(mesh: &Mesh, dofs: &[Dof], at: f64) -> Result<Weights, FemError> {
     let nodes = mesh.nodes();

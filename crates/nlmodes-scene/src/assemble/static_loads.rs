@@ -12,7 +12,7 @@ use nlmodes::response::BaseUnit;
 use nlmodes_io::{ContactNodes, FeModel, ReadError, read_nodal_values};
 use nlmodes_reduction::{ModeCount, OpenModes, RestState};
 
-use super::places::{Body, node_weights, unsupported};
+use super::places::{Body, node_weights, row_weights, unsupported};
 use super::{Elements, StructureError, Structures, dofs};
 use crate::scene::{
     BaseDirection, ForcePlace, Gravity, Matrices, Place, Scene, SceneStructure, StaticLoads, Structure, Thermal,
@@ -23,6 +23,8 @@ use crate::scene::{
 pub struct StaticState {
     /// Displacement of each degree of freedom under the loads with the contacts open, n, m.
     pub displacement: Vec<f64>,
+    /// The same in the free-interface modes with which it was computed, `η = Φᵀ M q`, m·√kg.
+    pub modal: Vec<f64>,
     /// By how much that opens the gaps, c, m.
     pub opening: Vec<f64>,
     /// The gaps that this leaves, with the contacts open, c, m.
@@ -60,29 +62,35 @@ pub(super) fn of_open(
 ) -> Result<Option<StaticState>, StructureError> {
     let moved = match (&scene.structure, files) {
         (SceneStructure::Matrices(matrices), Some(model)) => of_files(&scene.static_loads, matrices, model)?,
+        (SceneStructure::Reduced(_), _) => of_rows(&scene.static_loads, modes.n_dofs())?,
         (structure, _) => of_bodies(&scene.static_loads, structure.bodies())?,
     };
     if moved.is_none() && modes.gaps().iter().all(|gap| *gap >= 0.0) {
         return Ok(None);
     }
-    let displacement = match moved {
-        None => vec![0.0; modes.n_dofs()],
-        Some(Moved::Displacement(displacement)) => displacement,
+    if modes.floats() && !scene.static_loads.is_empty() {
+        return Err(StructureError::FloatsUnderLoad { key: first_key(&scene.static_loads) });
+    }
+    let (displacement, modal) = match moved {
+        None => (vec![0.0; modes.n_dofs()], vec![0.0; modes.n_modes()]),
+        Some(Moved::Displacement(displacement)) => {
+            let column = Mat::from_fn(displacement.len(), 1, |i, _| displacement[i]);
+            let modal = modes.modal_coordinates(&column).map(|eta| eta.col(0).iter().copied().collect());
+            (displacement, modal.unwrap_or_default())
+        }
         Some(Moved::Force(force)) => under(modes, &force)?,
     };
     let column = Mat::from_fn(displacement.len(), 1, |i, _| displacement[i]);
     let opening: Vec<f64> = multiply_transposed(modes.directions(), &column).col(0).iter().copied().collect();
     let gaps: Vec<f64> = modes.gaps().iter().zip(&opening).map(|(gap, opening)| gap + opening).collect();
     let loaded = modes.with_stops(gaps.clone(), modes.stop_compliance().to_vec())?;
-    let rest = match loaded.floats() && !scene.static_loads.is_empty() {
-        true => return Err(StructureError::FloatsUnderLoad { key: first_key(&scene.static_loads) }),
-        false if loaded.floats() => RestState::default(),
-        false => {
-            let solver = solver_by_name("active-set").map_err(StructureError::Rest)?;
-            loaded.rest(&[], solver.as_ref())?
-        }
+    let rest = if loaded.floats() {
+        RestState::default()
+    } else {
+        let solver = solver_by_name("active-set").map_err(StructureError::Rest)?;
+        loaded.rest(&[], solver.as_ref())?
     };
-    Ok(Some(StaticState { displacement, opening, free_gaps: gaps, rest }))
+    Ok(Some(StaticState { displacement, modal, opening, free_gaps: gaps, rest }))
 }
 
 /// The key of the first of these loads.
@@ -121,14 +129,29 @@ pub(super) fn moved(model: StructuralModel, state: &StaticState) -> Result<Struc
     Ok(model.with_contacts(contacts)?)
 }
 
-/// Displacements under a force with the contacts open, `K⁻¹ f`.
-fn under(modes: &OpenModes, force: &[f64]) -> Result<Vec<f64>, StructureError> {
+/// Displacements under a force with the contacts open, `K⁻¹ f`, and the modal coordinates of them.
+fn under(modes: &OpenModes, force: &[f64]) -> Result<(Vec<f64>, Vec<f64>), StructureError> {
     let load = modes.load(force)?;
     let mut displacement = load.residual.clone();
-    for (r, (p, square)) in load.modal.iter().zip(modes.omega_squared()).enumerate() {
-        displacement.iter_mut().enumerate().for_each(|(i, q)| *q += modes.shapes()[(i, r)] * p / square);
+    let modal: Vec<f64> = load.modal.iter().zip(modes.omega_squared()).map(|(p, square)| p / square).collect();
+    for (r, eta) in modal.iter().enumerate() {
+        displacement.iter_mut().enumerate().for_each(|(i, q)| *q += modes.shapes()[(i, r)] * eta);
     }
-    Ok(displacement)
+    Ok((displacement, modal))
+}
+
+/// The loads of a structure that was reduced elsewhere, with so many rows.
+fn of_rows(loads: &StaticLoads, rows: usize) -> Result<Option<Moved>, StructureError> {
+    if loads.is_empty() {
+        return Ok(None);
+    }
+    let mut force = vec![0.0; rows];
+    for (i, load) in loads.forces.iter().enumerate() {
+        let ForcePlace::One(Place::Row { row }) = load.at else { continue };
+        let weights = row_weights(rows, row).map_err(|why| StructureError::StaticForce { force: i, why })?;
+        weights.iter().for_each(|&(dof, w)| force[dof] += w * load.force);
+    }
+    Ok(Some(Moved::Force(force)))
 }
 
 /// The loads of rods and beams.
@@ -197,7 +220,8 @@ fn of_files(loads: &StaticLoads, matrices: &Matrices, model: &FeModel) -> Result
                 let wrong = |source: ReadError| StructureError::StaticForce { force: i, why: source.to_string() };
                 (model.nodes_of_set(&matrices.files, name).map_err(wrong)?, *direction)
             }
-            ForcePlace::One(Place::Along { .. }) | ForcePlace::Nodes { nodes: ContactNodes::OfPairs, .. } => continue,
+            ForcePlace::One(Place::Along { .. } | Place::Row { .. })
+            | ForcePlace::Nodes { nodes: ContactNodes::OfPairs, .. } => continue,
         };
         let (share, mut is_felt) = (load.force / nodes.len() as f64, false);
         for node in nodes {

@@ -79,10 +79,12 @@ impl Strainless {
             .replace("motion of a mechanisms", "motions of mechanisms")
     }
 
-    /// What the digits of the files leave open: softer supports do not show in them.
-    pub fn unseen_text(&self) -> String {
+    /// What the digits of the files leave open: softer supports do not show in them. None where they are not known.
+    pub fn unseen_text(&self) -> Option<String> {
         let hz = number(rounded(self.unseen_hz, 2));
-        format!("a support on which the structure has less than {hz} Hz would not show in the digits of the files")
+        let text =
+            format!("a support on which the structure has less than {hz} Hz would not show in the digits of the files");
+        (self.unseen_hz > 0.0).then_some(text)
     }
 }
 

@@ -76,7 +76,9 @@ pub fn dampers(
 ) {
     let of_elements = contacts.iter().map(|contact| (contact.stiffness, contact.damping));
     let nodes = structure.and_then(SceneStructure::matrices).into_iter().flat_map(|matrices| &matrices.contacts);
+    let rows = structure.and_then(SceneStructure::reduced).into_iter().flat_map(|model| &model.row_contacts);
     let stops = of_elements.chain(nodes.map(|contact| (contact.stiffness, contact.damping)));
+    let stops = stops.chain(rows.map(|contact| (contact.stiffness, contact.damping)));
     for (i, (stiffness, _)) in stops.enumerate().filter(|(_, (_, damping))| damping.is_some()) {
         let path = format!("contact.{i}.damping_n_s_m");
         if stiffness.is_none() {

@@ -40,7 +40,7 @@ fn files(raw: &RawMatrices, base: &Path, diagnostics: &mut Diagnostics<'_>) -> O
     })
 }
 
-fn parsed<T: std::str::FromStr<Err: std::fmt::Display>>(
+pub(super) fn parsed<T: std::str::FromStr<Err: std::fmt::Display>>(
     key: &str,
     text: &str,
     diagnostics: &mut Diagnostics<'_>,

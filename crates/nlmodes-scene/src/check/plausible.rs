@@ -25,6 +25,8 @@ pub fn stops(scene: &Scene, diagnostics: &mut Diagnostics<'_>) {
         Some(GapChoice::Same(gap)) => gap,
         Some(GapChoice::WallPoint(_)) | None => 0.0,
     });
+    let rows = scene.structure.reduced().map(|model| model.row_contacts.as_slice()).unwrap_or_default();
+    let given = given.chain(rows.iter().map(|contact| contact.gap));
     let gaps = scene.contacts.iter().map(|contact| contact.gap).chain(given);
     for (i, gap) in gaps.enumerate() {
         stop::pressed(&format!("contact.{i}.gap_m"), gap, diagnostics);

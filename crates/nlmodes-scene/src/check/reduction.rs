@@ -17,6 +17,9 @@ pub fn check(
             diagnostic.help("contacts between bodies have no node of their own whose mass could be left out");
         diagnostics.put("reduction.kind", diagnostic, "expected \"open-modes\"");
     }
+    if matches!(places, Places::Rows) {
+        of_reduced(kind, diagnostics);
+    }
     if written.modes.is_some() && written.up_to_hz.is_some() {
         let diagnostic = Diagnostic::error("`reduction.modes` and `reduction.up_to_hz` are two ways to say the same");
         diagnostics.put("reduction.up_to_hz", diagnostic, "expected one of them");
@@ -33,7 +36,7 @@ pub fn check(
         }
     }
     let path = "method.mass_redistribution";
-    if kind == ReductionKind::OpenModes && diagnostics.has(path) {
+    if kind == ReductionKind::OpenModes && diagnostics.has(path) && !matches!(places, Places::Rows) {
         let diagnostic = Diagnostic::warning(format!("`{path}` has no effect"));
         diagnostics.put(path, diagnostic, "with open modes the contacts have no mass, and none is moved");
     }
@@ -46,4 +49,20 @@ pub fn check(
     }
     let plain = kind == ReductionKind::HeldModes && default == kind;
     (!plain).then_some(Reduction { kind: Some(kind), ..written })
+}
+
+/// A structure that was reduced elsewhere has no mass that could be taken away from its contacts.
+fn of_reduced(kind: ReductionKind, diagnostics: &mut Diagnostics<'_>) {
+    let help = "what the mass of the contact nodes was is not in its modes; their share of it is kept";
+    let refuse = |path: &str, label: &str, diagnostics: &mut Diagnostics<'_>| {
+        let title = format!("`{path}` is not of a structure that was reduced elsewhere");
+        diagnostics.put(path, Diagnostic::error(title).help(help), label);
+    };
+    if kind == ReductionKind::HeldModes {
+        refuse("reduction.kind", "expected \"open-modes\", or leave it out", diagnostics);
+    }
+    let path = "method.mass_redistribution";
+    if diagnostics.has(path) {
+        refuse(path, "leave it out", diagnostics);
+    }
 }

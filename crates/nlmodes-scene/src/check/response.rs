@@ -147,10 +147,11 @@ fn response(
     uses_its_keys(i, kind, diagnostics);
     let levels = if is_mode { Some(Vec::new()) } else { levels(i, raw, scene, diagnostics) };
     let base = format!("response.{i}.drive");
-    let drive = if raw.drive_m.is_some() || raw.drive_node.is_some() {
-        let keys = ["m", "node", "direction", "structure"].map(|key| format!("{base}_{key}"));
+    let drive = if raw.drive_m.is_some() || raw.drive_node.is_some() || raw.drive_row.is_some() {
+        let keys = ["m", "node", "direction", "structure", "row"].map(|key| format!("{base}_{key}"));
         let (direction, structure) = (raw.drive_direction.clone(), raw.drive_structure);
-        let written = RawPlace { at_m: raw.drive_m, node: raw.drive_node, direction, structure };
+        let (at_m, node, row) = (raw.drive_m, raw.drive_node, raw.drive_row);
+        let written = RawPlace { at_m, node, direction, structure, row };
         Some(places.place(&written, &keys, diagnostics)?)
     } else {
         None

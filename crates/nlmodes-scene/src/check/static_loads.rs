@@ -10,6 +10,9 @@ use crate::{Diagnostic, Diagnostics};
 
 /// The loads that are sound; paths count from `base`.
 pub fn check(raw: &RawAnalysis, base: &Path, places: &Places<'_>, diagnostics: &mut Diagnostics<'_>) -> StaticLoads {
+    if matches!(places, Places::Rows) {
+        return of_rows(raw, places, diagnostics);
+    }
     let is_of_files = matches!(places, Places::Nodes);
     let forces = raw.static_force.iter().flatten().enumerate();
     let forces = forces.filter_map(|(i, raw)| force(i, raw, places, diagnostics)).collect();
@@ -39,6 +42,26 @@ pub fn check(raw: &RawAnalysis, base: &Path, places: &Places<'_>, diagnostics: &
     }
 }
 
+/// Those of a structure that was reduced elsewhere: constant forces on its rows. Of the mass and of the heat of places
+/// between them its modes tell nothing.
+fn of_rows(raw: &RawAnalysis, places: &Places<'_>, diagnostics: &mut Diagnostics<'_>) -> StaticLoads {
+    let refused = [
+        ("gravity", raw.gravity.is_some()),
+        ("thermal", raw.thermal.is_some()),
+        ("static_displacement", raw.static_displacement.is_some()),
+    ];
+    for (key, _) in refused.into_iter().filter(|(_, there)| *there) {
+        let title = format!("`{key}` is not of a structure that was reduced elsewhere");
+        let help = "a static step of the program that reduced it gives the clearance of each contact under this load, \
+            with all contacts open: that is its `gap_m`";
+        let label = "expected `gap_m` with this load in it, or [[static_force]] at a row";
+        diagnostics.put(key, Diagnostic::error(title).help(help), label);
+    }
+    let forces = raw.static_force.iter().flatten().enumerate();
+    let forces = forces.filter_map(|(i, raw)| force(i, raw, places, diagnostics)).collect();
+    StaticLoads { forces, ..StaticLoads::default() }
+}
+
 fn gravity(raw: &RawGravity, places: &Places<'_>, diagnostics: &mut Diagnostics<'_>) -> Option<Gravity> {
     let direction = places.base_direction("gravity.direction", raw.direction.as_ref(), diagnostics)?;
     if matches!(direction, BaseDirection::Vector(_)) && raw.side.is_some() {
@@ -57,14 +80,18 @@ fn force(
     diagnostics: &mut Diagnostics<'_>,
 ) -> Option<StaticForce> {
     let path = |key: &str| format!("static_force.{i}.{key}");
-    let keys = ["at_m", "node", "direction", "structure"].map(path);
+    let keys = ["at_m", "node", "direction", "structure", "row"].map(path);
     let Some(nodes) = &raw.nodes else {
         let at = places.place(&raw.place, &keys, diagnostics)?;
         return Some(StaticForce { at: ForcePlace::One(at), force: raw.force_n });
     };
     if !matches!(places, Places::Nodes) {
         let diagnostic = Diagnostic::error(format!("`{}` are nodes of a structure from files", path("nodes")));
-        diagnostics.put(&path("nodes"), diagnostic, "expected `at_m`, a position along the axis");
+        let expected = match places {
+            Places::Rows => "expected `row`, the number of a row from 1",
+            _ => "expected `at_m`, a position along the axis",
+        };
+        diagnostics.put(&path("nodes"), diagnostic, expected);
         return None;
     }
     if raw.place.at_m.is_some() || raw.place.node.is_some() {

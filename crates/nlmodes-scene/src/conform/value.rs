@@ -82,6 +82,12 @@ pub fn unfit(path: &str) -> Diagnostic {
     Diagnostic::error(format!("`{path}` is not what it can be"))
 }
 
+/// A file under a key in another unit, which converts numbers of the scene alone.
+pub fn of_a_file(path: &str, rule: Rule<'_>) -> Diagnostic {
+    let diagnostic = Diagnostic::error(format!("`{path}` is a text, whose numbers no unit of the key converts"));
+    diagnostic.help(format!("a file is named under `{}`, with its numbers in {}", last(path), rule.unit("")))
+}
+
 /// A value of another kind than the schema has.
 pub fn wrong_kind(path: &str, found: &DeValue<'_>, rule: Rule<'_>) -> Diagnostic {
     let diagnostic =

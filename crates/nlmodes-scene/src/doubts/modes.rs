@@ -54,7 +54,7 @@ fn floating(open: &OpenStructure, rigid: usize, unfelt: usize) -> Option<String>
                 .to_owned(),
         );
     }
-    (unfelt > 0 && open.files.is_some()).then(|| {
+    (unfelt > 0 && (open.files.is_some() || open.elsewhere.is_some())).then(|| {
         format!(
             "the structure floats, and its contacts do not feel {unfelt} of its {rigid} motions: these are left at rest"
         )

@@ -16,11 +16,11 @@ use crate::short;
 use nlmodes_io::{ContactChoice, ContactNodes, FeModel, Mesh, NodeContact, Partner};
 
 /// Frequencies that are said.
-const FIRST: usize = 6;
+pub(super) const FIRST: usize = 6;
 /// Share of a frequency below which nobody asks what digits leave open of it.
 const NOTHING: f64 = 1e-6;
 /// Contacts that are said one by one.
-const LISTED: usize = 12;
+pub(super) const LISTED: usize = 12;
 
 /// The rows of the structure and of its contacts.
 pub fn rows(scene: &Scene, open: Option<&OpenStructure>) -> Vec<Row> {
@@ -116,7 +116,7 @@ fn free_mass(matrices: &Matrices, model: &FeModel) -> String {
 }
 
 /// The first frequencies, behind the motions that strain nothing.
-fn frequencies(open: &OpenStructure) -> String {
+pub(super) fn frequencies(open: &OpenStructure) -> String {
     let (squares, count) = (open.modes.omega_squared(), open.strainless.count());
     let hz = squares.iter().skip(count).take(FIRST).map(|square| square.max(0.0).sqrt() / TAU);
     let list: Vec<String> = hz.map(|hz| short(hz)).collect();
@@ -130,10 +130,10 @@ fn frequencies(open: &OpenStructure) -> String {
         1 => format!(" (the body of node {})", nodes[0]),
         _ => format!(" (the bodies of nodes {})", nodes.join(", ")),
     };
+    let unseen = open.strainless.unseen_text().map_or_else(String::new, |text| format!(" ({text})"));
     format!(
-        "{}, nothing holds the structure there{bodies} ({}); from mode {} on {elastic}",
+        "{}, nothing holds the structure there{bodies}{unseen}; from mode {} on {elastic}",
         open.strainless.text(),
-        open.strainless.unseen_text(),
         count + 1
     )
 }

@@ -68,6 +68,7 @@ pub(super) fn place(place: &Place, several: bool) -> String {
             format!("{} m{of}, {}", number(*at), direction.name())
         }
         Place::Node { node, direction } => format!("node {node} along [{}]", list(direction)),
+        Place::Row { row } => format!("row {row}"),
     }
 }
 

@@ -1,6 +1,6 @@
 //! What the scene of a structure would compute.
 
-use super::{Row, law, list, matrices, responses, row, static_loads};
+use super::{Row, law, list, matrices, reduced, responses, row, static_loads};
 use crate::assemble::{OpenStructure, StaticState};
 use crate::number;
 use crate::rule::counted;
@@ -19,6 +19,7 @@ pub fn rows(scene: &Scene, open: Option<&OpenStructure>, state: Option<&StaticSt
         rows.extend(straight(&name, body));
     }
     rows.extend(matrices::rows(scene, open));
+    rows.extend(reduced::rows(scene, open));
     for (i, contact) in scene.contacts.iter().enumerate() {
         rows.push(row(format!("contact {i}"), stop(contact, bodies.len() > 1)));
     }

@@ -2,6 +2,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 
 use super::MAX_BODIES;
+use super::reduced::MAX_ROWS;
 use crate::scene::{Direction, Response, StopOfBase};
 
 /// Damping of the structure with its contacts open: one of `ratio`, `ratios`, `rayleigh`, and dashpots beside it or
@@ -71,6 +72,9 @@ pub struct RawPlace {
     pub structure: Option<u32>,
     /// Node of a structure from files, in place of `at_m`
     pub node: Option<u64>,
+    /// Row of a structure that was reduced elsewhere, from 1, in place of `at_m`; it has its direction
+    #[schemars(range(min = 1, max = MAX_ROWS))]
+    pub row: Option<u32>,
     /// Direction; default along a rod, across a beam. Of a structure from files three numbers
     #[serde(default)]
     #[schemars(schema_with = "word_or_vector")]
@@ -148,6 +152,9 @@ pub struct RawResponse {
     pub drive_structure: Option<u32>,
     /// Node of the drive point of a structure from files, in place of `drive_m`
     pub drive_node: Option<u64>,
+    /// Row of the drive point of a structure that was reduced elsewhere, in place of `drive_m`
+    #[schemars(range(min = 1, max = MAX_ROWS))]
+    pub drive_row: Option<u32>,
     /// Direction in which the motion of the drive point is taken; default that of the first force
     #[serde(default)]
     #[schemars(schema_with = "word_or_vector")]

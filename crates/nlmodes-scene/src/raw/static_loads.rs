@@ -28,7 +28,7 @@ fn standard_gravity() -> f64 {
 
 /// A constant force.
 #[derive(Debug, Deserialize, JsonSchema)]
-#[schemars(extend("oneRequired" = ["at_m", "node", "nodes"]))]
+#[schemars(extend("oneRequired" = ["at_m", "node", "nodes", "row"]))]
 pub struct RawStaticForce {
     /// Where and in which direction it acts
     #[serde(flatten)]

@@ -91,6 +91,11 @@ choices! {
         /// Matrices of a finite-element program
         Matrices = "matrices",
     }
+    /// A structure that was reduced elsewhere.
+    ReducedKind {
+        /// Modes and flexibility that another program computed
+        Reduced = "reduced",
+    }
     /// How a structure is reduced.
     #[derive(Default)]
     ReductionKind {

@@ -2,7 +2,7 @@ use nlmodes_io::{ContactChoice, FeFiles};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{ReductionKind, Structure};
+use super::{ReducedModel, ReductionKind, Structure};
 
 /// Most modes that a scene may retain.
 const MAX_MODES: u32 = 10_000;
@@ -46,6 +46,8 @@ pub enum SceneStructure {
     Matrices(Matrices),
     /// Several rods and beams.
     Several(Vec<Structure>),
+    /// Modes and flexibility that another program computed.
+    Reduced(ReducedModel),
 }
 
 impl SceneStructure {
@@ -53,7 +55,7 @@ impl SceneStructure {
     pub fn straight(&self) -> Option<&Structure> {
         match self {
             Self::Straight(structure) => Some(structure),
-            Self::Matrices(_) | Self::Several(_) => None,
+            Self::Matrices(_) | Self::Several(_) | Self::Reduced(_) => None,
         }
     }
 
@@ -61,15 +63,23 @@ impl SceneStructure {
     pub fn straight_mut(&mut self) -> Option<&mut Structure> {
         match self {
             Self::Straight(structure) => Some(structure),
-            Self::Matrices(_) | Self::Several(_) => None,
+            Self::Matrices(_) | Self::Several(_) | Self::Reduced(_) => None,
         }
     }
 
     /// The files, if it is from files.
     pub fn matrices(&self) -> Option<&Matrices> {
         match self {
-            Self::Straight(_) | Self::Several(_) => None,
+            Self::Straight(_) | Self::Several(_) | Self::Reduced(_) => None,
             Self::Matrices(matrices) => Some(matrices),
+        }
+    }
+
+    /// What another program computed, if the structure was reduced elsewhere.
+    pub fn reduced(&self) -> Option<&ReducedModel> {
+        match self {
+            Self::Straight(_) | Self::Several(_) | Self::Matrices(_) => None,
+            Self::Reduced(model) => Some(model),
         }
     }
 
@@ -78,7 +88,7 @@ impl SceneStructure {
         match self {
             Self::Straight(structure) => std::slice::from_ref(structure),
             Self::Several(structures) => structures,
-            Self::Matrices(_) => &[],
+            Self::Matrices(_) | Self::Reduced(_) => &[],
         }
     }
 }

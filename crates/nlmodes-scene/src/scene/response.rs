@@ -26,6 +26,11 @@ pub enum Place {
         /// Direction, a unit vector.
         direction: [f64; 3],
     },
+    /// A row of a structure that was reduced elsewhere.
+    Row {
+        /// Its number, from 1.
+        row: usize,
+    },
 }
 
 /// Damping of the structure with its contacts open.

@@ -48,7 +48,7 @@ fn mode_damping(
 }
 
 fn dashpot(i: usize, raw: &RawDashpot, places: &Places<'_>, diagnostics: &mut Diagnostics<'_>) -> Option<Dashpot> {
-    let keys = ["at_m", "node", "direction", "structure"].map(|key| format!("damping.dashpot.{i}.{key}"));
+    let keys = ["at_m", "node", "direction", "structure", "row"].map(|key| format!("damping.dashpot.{i}.{key}"));
     Some(Dashpot { place: places.place(&raw.place, &keys, diagnostics)?, damping: raw.damping_n_s_m })
 }
 
@@ -58,7 +58,7 @@ pub fn forces(raw: &RawAnalysis, places: &Places<'_>, diagnostics: &mut Diagnost
 }
 
 fn force(i: usize, raw: &RawForce, places: &Places<'_>, diagnostics: &mut Diagnostics<'_>) -> Option<Force> {
-    let keys = ["at_m", "node", "direction", "structure"].map(|key| format!("force.{i}.{key}"));
+    let keys = ["at_m", "node", "direction", "structure", "row"].map(|key| format!("force.{i}.{key}"));
     let place = places.place(&raw.place, &keys, diagnostics);
     let amplitude = raw.amplitude_n.unwrap_or(1.0);
     if amplitude == 0.0 {
@@ -76,6 +76,12 @@ pub fn base_motion(raw: &RawAnalysis, places: &Places<'_>, diagnostics: &mut Dia
     if raw.force.as_ref().is_some_and(|forces| !forces.is_empty()) {
         let diagnostic = Diagnostic::error("the scene has forces and a base that shakes");
         diagnostics.put("base_motion", diagnostic, "expected either this table or [[force]]");
+        return None;
+    }
+    if matches!(places, Places::Rows) {
+        let diagnostic = Diagnostic::error("the base of a structure that was reduced elsewhere cannot shake");
+        let help = "its mass is not known, and with it what a moving base pushes";
+        diagnostics.put("base_motion", diagnostic.help(help), "expected [[force]] at rows");
         return None;
     }
     let direction = places.base_direction("base_motion.direction", base.direction.as_ref(), diagnostics)?;

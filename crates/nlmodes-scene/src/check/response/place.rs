@@ -17,6 +17,8 @@ pub enum Places<'a> {
     Nodes,
     /// Positions along several rods and beams.
     Bodies(&'a [Body<'a>]),
+    /// Rows of a structure that was reduced elsewhere.
+    Rows,
 }
 
 impl<'a> Places<'a> {
@@ -24,7 +26,7 @@ impl<'a> Places<'a> {
     pub fn straight(&self) -> Option<&'a Body<'a>> {
         match self {
             Self::Along(body) => Some(body),
-            Self::Nodes | Self::Bodies(_) => None,
+            Self::Nodes | Self::Bodies(_) | Self::Rows => None,
         }
     }
 
@@ -43,6 +45,8 @@ impl<'a> Places<'a> {
     ) -> Option<BaseDirection> {
         let kind = match self {
             Self::Nodes => return vector(path, written, diagnostics).map(BaseDirection::Vector),
+            // What needs a direction is refused as a whole.
+            Self::Rows => return None,
             Self::Along(body) => body.raw.kind,
             Self::Bodies(bodies) => {
                 let mut kinds = bodies.iter().map(|body| body.raw.kind);
@@ -52,9 +56,17 @@ impl<'a> Places<'a> {
         direction(kind, path, written, diagnostics).map(BaseDirection::Along)
     }
 
-    /// The place that is written under the keys of position, node, direction and structure.
-    pub fn place(&self, written: &RawPlace, keys: &[String; 4], diagnostics: &mut Diagnostics<'_>) -> Option<Place> {
-        let [at_key, node_key, direction_key, structure_key] = keys.each_ref().map(String::as_str);
+    /// The place that is written under the keys of position, node, direction, structure and row.
+    pub fn place(&self, written: &RawPlace, keys: &[String; 5], diagnostics: &mut Diagnostics<'_>) -> Option<Place> {
+        let [at_key, node_key, direction_key, structure_key, row_key] = keys.each_ref().map(String::as_str);
+        if !matches!(self, Self::Rows) && written.row.is_some() {
+            let diagnostic =
+                Diagnostic::error(format!("`{row_key}` is a row of a structure that was reduced elsewhere"));
+            let own = if matches!(self, Self::Nodes) { node_key } else { at_key };
+            let short = own.rsplit('.').next().unwrap_or(own);
+            diagnostics.put(row_key, diagnostic, format!("expected `{short}` in its place"));
+            return None;
+        }
         let (index, Body { raw: structure, mesh }) = match self {
             Self::Nodes => {
                 if written.structure.is_some() {
@@ -66,6 +78,7 @@ impl<'a> Places<'a> {
                 let keys = [at_key, node_key, direction_key];
                 return of_node(keys, written, diagnostics);
             }
+            Self::Rows => return of_row(keys, written, diagnostics),
             Self::Along(alone) => (body(structure_key, written.structure, 1, "", diagnostics)?, *alone),
             Self::Bodies(bodies) => {
                 let which = "a scene of several structures says which one is meant";
@@ -162,6 +175,29 @@ fn of_node(
     }
     let direction = vector(direction_key, written.direction.as_ref(), diagnostics)?;
     Some(Place::Node { node: written.node?, direction })
+}
+
+/// A row of a structure that was reduced elsewhere, which has its direction.
+fn of_row(keys: &[String; 5], written: &RawPlace, diagnostics: &mut Diagnostics<'_>) -> Option<Place> {
+    let [at, node, direction, structure, row] = keys.each_ref().map(String::as_str);
+    let others = [
+        (at, written.at_m.is_some()),
+        (node, written.node.is_some()),
+        (direction, written.direction.is_some()),
+        (structure, written.structure.is_some()),
+    ];
+    let short = row.rsplit('.').next().unwrap_or(row);
+    if let Some((key, _)) = others.into_iter().find(|(_, there)| *there) {
+        let diagnostic = Diagnostic::error(format!("`{key}` is not of a structure that was reduced elsewhere"));
+        let diagnostic = diagnostic.help("its places are the rows of `structure.contact_rows`, each in its direction");
+        diagnostics.put(key, diagnostic, format!("expected `{short}`, the number of a row from 1"));
+        return None;
+    }
+    if written.row.is_none() {
+        let diagnostic = Diagnostic::error(format!("`{row}` is missing"));
+        diagnostics.put(row, diagnostic, "expected the number of a row of `structure.contact_rows`, from 1");
+    }
+    Some(Place::Row { row: written.row? as usize })
 }
 
 /// Three numbers as a unit vector.

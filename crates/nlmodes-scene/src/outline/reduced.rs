@@ -1,0 +1,58 @@
+//! What is known of a structure that was reduced elsewhere, so that wrong units and exchanged rows show.
+
+use super::matrices::{FIRST, LISTED, frequencies};
+use super::{Row, law, row};
+use crate::assemble::OpenStructure;
+use crate::rule::counted;
+use crate::scene::{Numbers, ReducedModel, RowContact, Scene};
+use crate::{number, short};
+
+/// The rows of the structure and of its contacts.
+pub fn rows(scene: &Scene, open: Option<&OpenStructure>) -> Vec<Row> {
+    let (Some(model), Some(open)) = (scene.structure.reduced(), open) else { return Vec::new() };
+    let Some(known) = &open.elsewhere else { return Vec::new() };
+    let line = if known.is_by_modes { "mode" } else { "row" };
+    let (modes, of_rows) = (counted(known.modes, "mode"), counted(known.rows, "row"));
+    let mut lines = vec![
+        row("structure", "reduced elsewhere"),
+        row("modes", format!("{modes}, {}", source(&model.frequencies_hz))),
+        row("rows", format!("{of_rows}, a line a {line}, {}", source(&model.contact_rows))),
+        row("flexibility", flexibility(model)),
+        row("units", format!("{} in files, SI from here on", model.units)),
+        row("frequencies", frequencies(open)),
+    ];
+    lines.extend((0..known.rows.min(LISTED)).map(|i| row("", share(open, i))));
+    lines.extend(model.row_contacts.iter().enumerate().map(|(i, of)| row(format!("contact {i}"), contact(of))));
+    lines
+}
+
+fn flexibility(model: &ReducedModel) -> String {
+    let what = match &model.flexibility {
+        crate::scene::Flexibility::Static(_) => "static, the share of the modes included",
+        crate::scene::Flexibility::Residual(_) => "what the modes leave",
+    };
+    format!("{what}, {}", source(model.flexibility.numbers()))
+}
+
+fn source(numbers: &Numbers) -> String {
+    match numbers {
+        Numbers::File(address) => address.to_string(),
+        Numbers::List(_) | Numbers::Table(_) => "from the scene".to_owned(),
+    }
+}
+
+/// Static flexibility of a row, and how much of it the modes have.
+fn share(open: &OpenStructure, i: usize) -> String {
+    let (modes, residual) = (&open.modes, open.modes.residual_flexibility(i));
+    let elastic = modes.omega_squared().iter().enumerate().filter(|(_, square)| **square > 0.0);
+    let modal: f64 = elastic.map(|(r, square)| modes.shapes()[(i, r)].powi(2) / square).sum();
+    let first = modes.shapes().row(i).iter().take(FIRST).map(|y| short(*y)).collect::<Vec<_>>().join(", ");
+    let whole = short(residual + modal);
+    let percent = number((1000.0 * modal / (residual + modal)).round() / 10.0);
+    format!("row {}: {whole} m/N, {percent} % of it in the modes; {first} 1/√kg in the first", i + 1)
+}
+
+fn contact(of: &RowContact) -> String {
+    let (gap, law) = (number(of.gap), law(of.stiffness));
+    format!("row {}, on the {} side, gap {gap} m, {law}", of.row, of.side.name())
+}

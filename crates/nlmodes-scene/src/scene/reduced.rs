@@ -1,0 +1,74 @@
+use nlmodes_io::{Address, UnitSystem};
+use serde::{Deserialize, Serialize};
+
+use super::Side;
+
+/// A structure of which another program computed free-interface modes and the static flexibility of some displacements,
+/// its rows: those of contacts, and of places where forces act.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ReducedModel {
+    /// Frequencies of the modes, Hz, ascending; zero for each rigid-body motion.
+    pub frequencies_hz: Numbers,
+    /// Displacements of the rows in the mass-normalised modes.
+    pub contact_rows: Numbers,
+    /// Static displacements of the rows under unit forces.
+    pub flexibility: Flexibility,
+    /// Units of the files; numbers of the scene are in SI units.
+    pub units: UnitSystem,
+    /// What stands under `[[contact]]`, in the order of the file.
+    pub row_contacts: Vec<RowContact>,
+}
+
+/// Numbers of a scene, or of a file that it names.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Numbers {
+    /// In a file, with its path from where the program is started.
+    File(Address),
+    /// A list.
+    List(Vec<f64>),
+    /// A list of lists, row by row.
+    Table(Vec<Vec<f64>>),
+}
+
+/// Which flexibility is given.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Flexibility {
+    /// The whole static one.
+    Static(Numbers),
+    /// What the modes leave of it.
+    Residual(Numbers),
+}
+
+impl Flexibility {
+    /// The key of the scene below `structure`.
+    pub fn key(&self) -> &'static str {
+        match self {
+            Self::Static(_) => "flexibility_m_n",
+            Self::Residual(_) => "residual_flexibility_m_n",
+        }
+    }
+
+    /// Its numbers.
+    pub fn numbers(&self) -> &Numbers {
+        match self {
+            Self::Static(numbers) | Self::Residual(numbers) => numbers,
+        }
+    }
+}
+
+/// A contact of a structure that was reduced elsewhere.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct RowContact {
+    /// Number of the row that moves toward the stop, from 1.
+    pub row: usize,
+    /// Whether the stop is met by positive or by negative displacements of the row.
+    pub side: Side,
+    /// Clearance at rest, m.
+    pub gap: f64,
+    /// Contact stiffness, N/m; rigid without one.
+    pub stiffness: Option<f64>,
+    /// Damper beside the stiffness, N s/m.
+    pub damping: Option<f64>,
+}
