@@ -88,7 +88,7 @@ fn a_heavy_cantilever_lies_on_its_ledge() -> Outcome {
     assert!((number(&grazing["frequency_hz"]) / 73.395_632_377_7 - 1.0).abs() < 1e-9, "{grazing}");
     assert!((number(&grazing["energy_j"]) / 2.551_653_349_35e-4 - 1.0).abs() < 1e-9, "{grazing}");
     assert_eq!(
-        (summary["events"][0]["kind"].as_str(), summary["events"][0]["point"].as_u64()),
+        (summary["events"][0]["event"].as_str(), summary["events"][0]["point"].as_u64()),
         (Some("lift-off"), Some(0))
     );
     let rows = rows(&folder)?;

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use nlmodes::branches::ComputedBranch;
+use nlmodes::modal::Event;
 
 /// Columns of the line.
 const COLUMNS: usize = 40;
@@ -13,10 +14,12 @@ const BLOCKS: [char; 8] = ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█
 pub fn blocks(computed: &ComputedBranch) -> Option<String> {
     let points = computed.branch.points.iter();
     let points: Vec<[f64; 2]> = points.map(|point| [point.kinetic_energy, point.omega / TAU]).collect();
-    of(&points, computed.grazing.energy)
+    let event = if computed.grazing.lifts_off { Event::LiftOff } else { Event::Grazing };
+    of(&points, (event, computed.grazing.energy))
 }
 
-fn of(points: &[[f64; 2]], grazing: f64) -> Option<String> {
+/// The event is the one at which the mode ceases to be linear, with its energy.
+fn of(points: &[[f64; 2]], (event, reference): (Event, f64)) -> Option<String> {
     let ends = |of: usize| {
         let values = || points.iter().map(|point| point[of]).filter(|value| value.is_finite() && *value > 0.0);
         Some([values().reduce(f64::min)?, values().reduce(f64::max)?])
@@ -33,8 +36,8 @@ fn of(points: &[[f64; 2]], grazing: f64) -> Option<String> {
         BLOCKS.get((height * BLOCKS.len() as f64) as usize).or(BLOCKS.last()).copied()
     };
     let line: String = (0..COLUMNS).filter_map(block).collect();
-    let energy = |value: f64| nlmodes_scene::number(format!("{:.1e}", value / grazing).parse().unwrap_or(value));
-    Some(format!("{low:.4} Hz {line} {high:.4} Hz, over {} to {} grazing energies", energy(least), energy(most)))
+    let energy = |value: f64| nlmodes_scene::number(format!("{:.1e}", value / reference).parse().unwrap_or(value));
+    Some(format!("{low:.4} Hz {line} {high:.4} Hz, over {} to {} {event} energies", energy(least), energy(most)))
 }
 
 #[cfg(test)]
@@ -44,7 +47,7 @@ mod tests {
     #[test]
     fn a_line_of_blocks_rises_as_the_frequency_does_over_the_logarithm_of_the_energy() {
         let points: Vec<[f64; 2]> = (0..50).map(|k| [10.0_f64.powf(k as f64 / 49.0), 50.0 + k as f64]).collect();
-        let line = of(&points, 1.0).unwrap();
+        let line = of(&points, (Event::Grazing, 1.0)).unwrap();
         let blocks: Vec<char> = line.chars().filter(|c| BLOCKS.contains(c)).collect();
         assert_eq!((blocks.len(), blocks[0], blocks[COLUMNS - 1]), (COLUMNS, '▁', '█'));
         assert!(blocks.is_sorted() && BLOCKS.iter().all(|block| blocks.contains(block)), "{line}");
@@ -53,8 +56,12 @@ mod tests {
             "{line}"
         );
         let falls: Vec<[f64; 2]> = points.iter().map(|[energy, hz]| [*energy, 150.0 - hz]).collect();
-        let falling: String = of(&falls, 1.0).unwrap().chars().filter(|c| BLOCKS.contains(c)).collect();
+        let falling: String =
+            of(&falls, (Event::Grazing, 1.0)).unwrap().chars().filter(|c| BLOCKS.contains(c)).collect();
         assert_eq!(falling.chars().next(), Some('█'));
-        assert_eq!((of(&points[..2], 1.0), of(&[[1.0, 2.0]; 5], 1.0)), (None, None));
+        assert_eq!(
+            (of(&points[..2], (Event::Grazing, 1.0)), of(&[[1.0, 2.0]; 5], (Event::LiftOff, 1.0))),
+            (None, None)
+        );
     }
 }
