@@ -111,7 +111,7 @@ fn free_mass(matrices: &Matrices, model: &FeModel) -> String {
             unknowns within elements (C3D8I)"
         );
     }
-    let [x, y, z] = model.mass_along_axes().map(|mass| short(mass));
+    let [x, y, z] = model.mass_along_axes().map(short);
     format!("{x} kg along x, {y} kg along y, {z} kg along z")
 }
 
@@ -119,7 +119,7 @@ fn free_mass(matrices: &Matrices, model: &FeModel) -> String {
 pub(super) fn frequencies(open: &OpenStructure) -> String {
     let (squares, count) = (open.modes.omega_squared(), open.strainless.count());
     let hz = squares.iter().skip(count).take(FIRST).map(|square| square.max(0.0).sqrt() / TAU);
-    let list: Vec<String> = hz.map(|hz| short(hz)).collect();
+    let list: Vec<String> = hz.map(short).collect();
     let elastic = format!("{} Hz, contacts open", list.join(", "));
     if count == 0 {
         return elastic;
@@ -164,7 +164,7 @@ fn left_open(scene: &Scene, open: &OpenStructure, model: &FeModel) -> Vec<Row> {
 fn contacts(matrices: &Matrices, model: &FeModel, contacts: &[NodeContact]) -> Vec<Row> {
     let gaps = || contacts.iter().map(|contact| contact.gap);
     let (low, high) = (gaps().fold(f64::MAX, f64::min), gaps().fold(f64::MIN, f64::max));
-    let [low, high] = [low, high].map(|gap| short(gap));
+    let [low, high] = [low, high].map(short);
     let mut lines = vec![row("contacts", format!("{}, gaps from {low} to {high} m", contacts.len()))];
     lines.extend(sets(matrices, model));
     lines.extend(contacts.iter().take(LISTED).enumerate().map(|(stop, of)| row("", contact(stop, model, of))));
@@ -201,7 +201,7 @@ fn sets(matrices: &Matrices, model: &FeModel) -> Vec<Row> {
 }
 
 fn contact(stop: usize, model: &FeModel, contact: &NodeContact) -> String {
-    let [x, y, z] = contact.normal.map(|n| short(n));
+    let [x, y, z] = contact.normal.map(short);
     let against = contact.against.map_or_else(|| "a wall".to_owned(), |node| format!("node {node}"));
     let law = law(contact.stiffness);
     let gap = short(contact.gap);
