@@ -16,7 +16,7 @@ pub use modes::contacts_balance;
 use nlmodes_io::{ContactChoice, FeModel, NodeContact, Skin};
 
 use crate::assemble::OpenStructure;
-use crate::rule::number;
+use crate::rule::significant;
 use crate::scene::{Matrices, Scene};
 
 /// What a user should know of a structure from files, or of one that was reduced elsewhere, before trusting what comes
@@ -77,7 +77,7 @@ fn of_all(some: usize, all: usize) -> String {
 
 /// To three digits.
 fn short(x: f64) -> String {
-    number(format!("{x:.2e}").parse().unwrap_or(x))
+    significant(x, 3)
 }
 
 fn vector(vector: [f64; 3]) -> String {

@@ -92,7 +92,7 @@ pub use other::{load_other, parse_other};
 pub use read::{
     load_any, load_records, load_structure, load_to_run, parse, parse_any, parse_each_method, parse_records, parse_test,
 };
-pub use rule::{counted, number, percent, short};
+pub use rule::{counted, number, percent, short, significant};
 pub use scene::{RecordScene, Scene, TestScene};
 pub use scene_error::SceneError;
 pub use scene_file::{AnyScene, SceneFile};

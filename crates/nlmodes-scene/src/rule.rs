@@ -236,7 +236,12 @@ pub fn either(choices: &[&str]) -> String {
 
 /// A computed number, with six digits at most.
 pub fn short(x: f64) -> String {
-    number(rounded(x, 6))
+    significant(x, 6)
+}
+
+/// A number with so many digits at most.
+pub fn significant(x: f64, digits: usize) -> String {
+    number(rounded(x, digits))
 }
 
 /// A number as people write it: up to nine significant digits, a power of ten where it is very large or very small.
@@ -258,8 +263,7 @@ pub fn number(x: f64) -> String {
 
 /// A share in percent, to two digits.
 pub fn percent(share: f64) -> String {
-    let percent: f64 = format!("{:.1e}", 100.0 * share).parse().unwrap_or(100.0 * share);
-    format!("{} %", number(percent))
+    format!("{} %", significant(100.0 * share, 2))
 }
 
 /// `1 node`, `2 nodes`.

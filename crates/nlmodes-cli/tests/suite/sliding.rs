@@ -26,7 +26,8 @@ fn matrix(path: PathBuf, entries: &[(usize, usize, f64)], n: usize) -> Outcome {
     Ok(fs::write(path, text)?)
 }
 
-fn run(folder: &Path, text: &str) -> Outcome<Vec<Row>> {
+/// Runs a scene in a folder, into `out`, and gives its `contacts.csv`.
+pub fn run(folder: &Path, text: &str) -> Outcome<Vec<Row>> {
     let scene = folder.join("scene.toml");
     fs::write(&scene, text)?;
     let mut call = Command::cargo_bin("nlmodes-cli")?;
@@ -35,7 +36,8 @@ fn run(folder: &Path, text: &str) -> Outcome<Vec<Row>> {
     rows(&folder.join("out/contacts.csv"))
 }
 
-fn rows(path: &Path) -> Outcome<Vec<Row>> {
+/// The rows of a table, by the names of its columns.
+pub fn rows(path: &Path) -> Outcome<Vec<Row>> {
     let mut table = csv::Reader::from_path(path)?;
     Ok(table.deserialize().collect::<Result<_, _>>()?)
 }

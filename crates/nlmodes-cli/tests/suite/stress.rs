@@ -5,20 +5,16 @@ use std::error::Error;
 use std::fs;
 use std::path::Path;
 
-use assert_cmd::Command;
 use tempfile::tempdir;
+
+use crate::sliding;
 
 type Outcome<T = ()> = Result<T, Box<dyn Error>>;
 type Row = BTreeMap<String, String>;
 
 fn run(folder: &Path, text: &str) -> Outcome<Vec<Row>> {
-    let scene = folder.join("scene.toml");
-    fs::write(&scene, text)?;
-    let mut call = Command::cargo_bin("nlmodes-cli")?;
-    let output = call.args(["run", "--quiet", "--force", "--out"]).arg(folder.join("out")).arg(&scene).output()?;
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let mut table = csv::Reader::from_path(folder.join("out/branch.csv"))?;
-    let rows: Vec<Row> = table.deserialize().collect::<Result<_, _>>()?;
+    sliding::run(folder, text)?;
+    let rows = sliding::rows(&folder.join("out/branch.csv"))?;
     if rows.is_empty() { Err("no points".into()) } else { Ok(rows) }
 }
 
@@ -38,7 +34,7 @@ fn shaken(kind: &str, section: &str, direction: &str, more: &str) -> String {
     )
 }
 
-/// `F L c/I` at the clamp of a beam of every kind of section, `F/A` in a rod, and none under heat in one that is free to
+/// `F L c/I` at the clamp of a beam of every kind of section, `F/A` in a rod, and none under heat in one that may
 /// expand.
 #[test]
 fn rods_and_beams_at_rest_have_the_stress_of_their_static_loads() -> Outcome {

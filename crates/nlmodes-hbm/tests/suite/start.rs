@@ -39,7 +39,8 @@ fn a_stop_at_a_node_of_the_mode_is_never_touched() {
     }
 }
 
-/// With the middle pressed the halves vibrate alike or against each other at one frequency: the latter changes no force.
+/// With the middle pressed the halves vibrate alike or against each other at one frequency: the latter changes no
+/// force.
 #[test]
 fn a_pressed_mode_that_leaves_its_stop_alone_names_the_next_one_that_lifts_off() {
     let of = |gap: f64| {

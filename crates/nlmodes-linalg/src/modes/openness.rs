@@ -20,7 +20,9 @@ pub struct Openness {
     /// The inner sums are over the entries with one value `v`, as meshes of equal elements have many: these are cut off
     /// alike. In matrices of more than eight million entries each counts by itself.
     pub deviations: Vec<f64>,
-    /// The largest eigenvalue that a strainless mode might have unnoticed, rad²/s²; zero where there is none.
+    /// The largest eigenvalue that a strainless mode might have unnoticed, rad²/s²; zero where there is none. It may be
+    /// lost among deviations, or in springs to the ground of less than half a unit `u` of the last digit of the
+    /// diagonal, which leave no trace: `Σ u_ii φ_i²` where there is one at each row.
     pub unseen: f64,
     /// So many of the lowest modes strain nothing, as far as the digits tell: they are motions of rigid bodies or of
     /// mechanisms, or they have been lost among the digits.
@@ -35,6 +37,8 @@ impl Openness {
     }
 }
 
+/// Half a unit of the last digit, in deviations.
+const HALF_UNIT: f64 = 1.732_050_807_568_877_2;
 /// An eigenvalue up to so many deviations is not told from zero.
 const UNCERTAIN: f64 = 5.0;
 /// One up to so many is that of a motion that strains nothing if [`BALANCED`] and [`GAP`] say so too: programs add up
@@ -71,7 +75,10 @@ impl Known<'_> {
         let deviations: Vec<f64> = (0..modes.eigenvalues.len()).map(deviation).collect();
         let strainless = self.strainless(modes, &deviations, value);
         let limit = |k: usize| if value(k).abs() <= UNCERTAIN * deviations[k] { UNCERTAIN } else { self.suspect() };
-        let unseen = (0..strainless).map(|k| limit(k) * deviations[k]).fold(0.0, f64::max);
+        let last = |i: usize| HALF_UNIT * self.digits[0].deviation(diagonal(self.stiffness, i));
+        let shape = |k: usize| modes.vectors.col(k).iter().enumerate();
+        let lost = |k: usize| shape(k).map(|(i, φ)| last(i) * φ * φ).sum::<f64>();
+        let unseen = (0..strainless).map(|k| lost(k).max(limit(k) * deviations[k])).fold(0.0, f64::max);
         Openness { deviations, strainless, unseen }
     }
 

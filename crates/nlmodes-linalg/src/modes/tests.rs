@@ -395,6 +395,29 @@ fn a_bar_on_soft_springs_is_not_taken_for_a_free_one() {
     assert!(held > 20 && unseen > 20, "{held} {unseen}");
 }
 
+/// Equal elements are cut off alike, so that a free bar has no stiffness at all; springs at each node of less than half
+/// a unit of the last digit leave these digits as they are, and their frequency is below what is said not to show.
+#[test]
+fn springs_that_the_last_digit_swallows_are_below_what_is_said_not_to_show() {
+    let (n, stiffness) = (40, 1.0 / 3.0);
+    let springs = |of: f64| -> SparseMatrix {
+        let end = |i: usize| if i == 0 || i == n - 1 { 1.0 } else { 2.0 };
+        let diagonal = (0..n).map(|i| (i, i, end(i) * stiffness + of));
+        let beside = (1..n).flat_map(|i| [(i, i - 1, -stiffness), (i - 1, i, -stiffness)]);
+        sparse_from_triplets(n, n, &diagonal.chain(beside).collect::<Vec<_>>()).unwrap()
+    };
+    let m = sparse_from_triplets(n, n, &(0..n).map(|i| (i, i, 1.0)).collect::<Vec<_>>()).unwrap();
+    for digits in [6_usize, 8, 10] {
+        let soft = 0.1 * 10f64.powi(-(digits as i32));
+        let written = cut(&springs(soft), digits);
+        assert!(triplets(&written).eq(triplets(&cut(&springs(0.0), digits))), "{digits}");
+        let pencil = Pencil::known_to(&written, &m, [Digits::Decimal(digits as u32), Digits::DOUBLE]).unwrap();
+        let open = pencil.openness(&pencil.lowest(3).unwrap());
+        assert_eq!(open.strainless, 1);
+        assert!(soft < open.unseen && open.unseen < 100.0 * soft, "{digits}: {soft:e} {:e}", open.unseen);
+    }
+}
+
 /// Bars apart, each a little stiffer than the one before, have as many motions at zero and nothing else twice: none of
 /// them is missed, however many modes are asked for.
 #[test]

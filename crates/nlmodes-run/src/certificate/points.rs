@@ -50,7 +50,7 @@ pub(super) fn range(places: &[Place]) -> String {
 
 /// A number with this many digits after the first.
 pub(super) fn digits(x: f64, behind: usize) -> String {
-    nlmodes_scene::number(format!("{x:.behind$e}").parse().unwrap_or(x))
+    nlmodes_scene::significant(x, behind + 1)
 }
 
 /// All points of a branch.

@@ -36,7 +36,7 @@ fn of(points: &[[f64; 2]], (event, reference): (Event, f64)) -> Option<String> {
         BLOCKS.get((height * BLOCKS.len() as f64) as usize).or(BLOCKS.last()).copied()
     };
     let line: String = (0..COLUMNS).filter_map(block).collect();
-    let energy = |value: f64| nlmodes_scene::number(format!("{:.1e}", value / reference).parse().unwrap_or(value));
+    let energy = |value: f64| nlmodes_scene::significant(value / reference, 2);
     Some(format!("{low:.4} Hz {line} {high:.4} Hz, over {} to {} {event} energies", energy(least), energy(most)))
 }
 

@@ -70,8 +70,7 @@ pub(super) fn signed(percent: f64) -> String {
         return "0".to_owned();
     }
     // Of the rounded number: 9.9996 is 10.0.
-    let rounded: f64 = format!("{:.2e}", percent.abs()).parse().unwrap_or(percent);
-    let whole = rounded.log10().floor().clamp(-5.0, 2.0) as i32;
+    let whole = nlmodes_scene::rounded(percent.abs(), 3).log10().floor().clamp(-5.0, 2.0) as i32;
     format!("{percent:+.0$}", (2 - whole) as usize).replace('-', "−")
 }
 

@@ -11,7 +11,7 @@ use super::figures::{Drawn, measured, scattered};
 use crate::Failure;
 use crate::curve::page::{self, Content};
 use crate::overlay::{Laid, Overlaid};
-use nlmodes_scene::number;
+use nlmodes_scene::{number, significant};
 
 /// Most records whose time histories and contact forces are on the page: those with the largest forces.
 const SHOWN: usize = 4;
@@ -96,7 +96,7 @@ fn points(outcomes: &[RecordOutcome]) -> DataTable {
     for outcome in outcomes {
         let found = outcome.result.as_ref().ok();
         let text = |of: &dyn Fn(&RecordExtraction) -> Option<Measured>| {
-            found.and_then(of).map_or_else(|| "–".to_owned(), |measured| significant(measured.value))
+            found.and_then(of).map_or_else(|| "–".to_owned(), |measured| significant(measured.value, 5))
         };
         table.rows.push(vec![
             // A name, even one that begins with a digit.
@@ -149,9 +149,4 @@ fn unsettled(name: &str) -> &'static str {
         "aperiodic" => "periods differed from their mean ",
         _ => "",
     }
-}
-
-/// Five digits.
-fn significant(x: f64) -> String {
-    number(format!("{x:.4e}").parse().unwrap_or(x))
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use nlmodes::experiment::extraction::{Measured, RecordExtraction};
-use nlmodes_scene::{number, rounded};
+use nlmodes_scene::significant;
 
 /// What was extracted from a record, in a few lines.
 pub fn in_words(found: &RecordExtraction) -> String {
@@ -51,10 +51,6 @@ fn with_error(measured: Measured, unit: &str) -> String {
     let spread = if uncertainty.is_finite() { format!(" ± {}", significant(uncertainty, 2)) } else { String::new() };
     let text = format!("{}{spread} {unit}", significant(value, digits as usize));
     text.trim_end().to_owned()
-}
-
-fn significant(x: f64, digits: usize) -> String {
-    number(rounded(x, digits))
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use nlmodes::experiment::extraction::FEWEST_PERIODS;
 use nlmodes::experiment::phase_loop::PhaseLoopError;
 use nlmodes::rig::RigError;
 use nlmodes_scene::scene::TestScene;
-use nlmodes_scene::{SceneFile, number};
+use nlmodes_scene::{SceneFile, number, rounded, significant};
 
 use super::bench::Rig;
 use crate::{RunError, chain};
@@ -41,9 +41,9 @@ pub fn short_record(file: &SceneFile<TestScene>, rig: &Rig) -> Result<(), RunErr
     let title = format!(
         "a record of {} s holds {} periods of mode {}, which has {} Hz: nothing is extracted from less than {wanted}",
         number(scene.schedule.record),
-        number(digits(periods, 2)),
+        significant(periods, 2),
         scene.settings.mode,
-        number(digits(hz, 5)),
+        significant(hz, 5),
     );
     let label = format!("expected at least {}, in s", number(rounded_up(wanted / hz)));
     Err(file.error_at("virtual_test.schedule.record_s", &title, &label, &[]).into())
@@ -51,7 +51,7 @@ pub fn short_record(file: &SceneFile<TestScene>, rig: &Rig) -> Result<(), RunErr
 
 /// The key, the error, and the expected value.
 fn words(scene: &TestScene, error: &RigError) -> (&'static str, String, String) {
-    let hz = |omega: f64| number(digits(omega / TAU, 5));
+    let hz = |omega: f64| significant(omega / TAU, 5);
     let (rate, mode) = (number(scene.sample_rate), scene.settings.mode);
     let at_least = |rate: f64| format!("expected at least {}, in Hz", number(rounded_up(rate)));
     match error {
@@ -92,15 +92,10 @@ fn words(scene: &TestScene, error: &RigError) -> (&'static str, String, String) 
     }
 }
 
-/// To this many digits.
-fn digits(x: f64, count: usize) -> f64 {
-    format!("{x:.0$e}", count - 1).parse().unwrap_or(x)
-}
-
 /// To four digits, not below `x`.
 fn rounded_up(x: f64) -> f64 {
     let unit = 10f64.powf(x.log10().floor() - 3.0);
-    digits((x / unit).ceil() * unit, 5)
+    rounded((x / unit).ceil() * unit, 5)
 }
 
 #[cfg(test)]

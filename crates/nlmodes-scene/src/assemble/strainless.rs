@@ -3,10 +3,10 @@
 use std::f64::consts::TAU;
 
 use nlmodes_io::{DofLabel, FeModel};
-use nlmodes_linalg::{Mat, rounded, symmetric_eigen};
+use nlmodes_linalg::{Digits, Mat, symmetric_eigen};
 use nlmodes_reduction::OpenModes;
 
-use crate::number;
+use crate::significant;
 
 /// Share of a motion that may be another one than that of rigid bodies, in the mean square: what the digits mix into
 /// it of the elastic modes.
@@ -29,7 +29,8 @@ pub struct Strainless {
     pub mechanisms: usize,
     /// The lowest node of each body that moves in them.
     pub floating: Vec<u64>,
-    /// The digits of the files would not show a support on which the structure has a frequency below this one, Hz.
+    /// The digits of the files would not show a support on which the structure has a frequency below this one, Hz; zero
+    /// where they are not known.
     pub unseen_hz: f64,
 }
 
@@ -59,7 +60,9 @@ impl Strainless {
             return None;
         }
         let floating = floating(model, &bodies, modes, count);
-        let unseen_hz = modes.openness().unseen.sqrt() / TAU;
+        // Few or round values do not show how many digits they were cut off at.
+        let is_cut = model.digits[0] != Digits::DOUBLE;
+        let unseen_hz = if is_cut { modes.openness().unseen.sqrt() / TAU } else { 0.0 };
         Some(Self { rigid: count - others, mechanisms: others, floating, unseen_hz })
     }
 
@@ -81,7 +84,7 @@ impl Strainless {
 
     /// What the digits of the files leave open: softer supports do not show in them. None where they are not known.
     pub fn unseen_text(&self) -> Option<String> {
-        let hz = number(rounded(self.unseen_hz, 2));
+        let hz = significant(self.unseen_hz, 2);
         let text =
             format!("a support on which the structure has less than {hz} Hz would not show in the digits of the files");
         (self.unseen_hz > 0.0).then_some(text)

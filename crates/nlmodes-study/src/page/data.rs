@@ -47,5 +47,5 @@ fn branch(drawn: &Drawn) -> Value {
 
 /// Seven digits, more than any screen shows.
 fn rounded(values: &[f64]) -> Vec<f64> {
-    values.iter().map(|value| format!("{value:.6e}").parse().unwrap_or(*value)).collect()
+    values.iter().map(|value| nlmodes_scene::rounded(*value, 7)).collect()
 }

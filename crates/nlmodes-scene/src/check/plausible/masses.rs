@@ -1,5 +1,5 @@
 use super::meant;
-use crate::rule::number;
+use crate::rule::{number, significant};
 use crate::scene::{Section, Structure};
 use crate::{Diagnostic, Diagnostics};
 
@@ -11,9 +11,11 @@ pub fn warn(structure: &Structure, diagnostics: &mut Diagnostics<'_>) {
     let own = own_mass(structure);
     for (i, point) in structure.mass_points.iter().enumerate().filter(|(_, point)| point.mass > HEAVY * own) {
         let path = format!("structure.mass_point.{i}.mass_kg");
-        let label = format!("{} kg, on a structure of {} kg", number(point.mass), short(own));
-        let diagnostic =
-            Diagnostic::warning(format!("`{path}` is {} times the mass of the structure", short(point.mass / own)));
+        let label = format!("{} kg, on a structure of {} kg", number(point.mass), significant(own, 2));
+        let diagnostic = Diagnostic::warning(format!(
+            "`{path}` is {} times the mass of the structure",
+            significant(point.mass / own, 2)
+        ));
         diagnostics.put(&path, diagnostic.help(meant(point.mass, "g", 1e-3)), label);
     }
     let segments = structure.segments.iter().enumerate();
@@ -23,9 +25,9 @@ pub fn warn(structure: &Structure, diagnostics: &mut Diagnostics<'_>) {
     for (table, added, own) in std::iter::once(whole).chain(of_segments) {
         let path = format!("{table}.added_mass_kg_m");
         if added > HEAVY * own && diagnostics.has(&path) {
-            let label = format!("{} kg/m, beside {} kg/m of the section", number(added), short(own));
+            let label = format!("{} kg/m, beside {} kg/m of the section", number(added), significant(own, 2));
             let diagnostic =
-                Diagnostic::warning(format!("`{path}` is {} times that of the section", short(added / own)));
+                Diagnostic::warning(format!("`{path}` is {} times that of the section", significant(added / own, 2)));
             diagnostics.put(&path, diagnostic.help(meant(added, "g/m", 1e-3)), label);
         }
     }
@@ -46,9 +48,4 @@ fn area(section: Section) -> f64 {
     match section {
         Section::Rod { area } | Section::Beam { area, .. } => area,
     }
-}
-
-/// Two digits.
-fn short(x: f64) -> String {
-    number(format!("{x:.1e}").parse().unwrap_or(x))
 }

@@ -1,5 +1,5 @@
 use super::{is_dimensionless, meant};
-use crate::rule::number;
+use crate::rule::{number, significant};
 use crate::scene::{Contact, Direction, Section, Structure};
 use crate::{Diagnostic, Diagnostics};
 
@@ -44,11 +44,6 @@ pub fn stiffness(i: usize, contact: &Contact, structure: &Structure, diagnostics
     let own_path = format!("contact.{i}.stiffness_n_m");
     let path = if diagnostics.has(&own_path) { own_path } else { "method.contact_stiffness_n_m".into() };
     let diagnostic = Diagnostic::warning(format!("`{path}` is so soft that the stop is hardly felt"));
-    let label = format!("{} N/m; the structure has some {} N/m", number(stiffness), short(own));
+    let label = format!("{} N/m; the structure has some {} N/m", number(stiffness), significant(own, 2));
     diagnostics.put(&path, diagnostic.help(meant(stiffness, "N/mm", 1e3)), label);
-}
-
-/// Two digits.
-fn short(x: f64) -> String {
-    number(format!("{x:.1e}").parse().unwrap_or(x))
 }

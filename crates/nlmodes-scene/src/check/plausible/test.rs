@@ -2,7 +2,7 @@
 
 use super::{meant, stop, structure};
 use crate::check::frequencies::estimate;
-use crate::rule::number;
+use crate::rule::{number, significant};
 use crate::scene::TestScene;
 use crate::{Diagnostic, Diagnostics};
 
@@ -42,7 +42,7 @@ fn frequencies(scene: &TestScene, diagnostics: &mut Diagnostics<'_>) {
     let path = "virtual_test.frequencies_hz.0";
     let diagnostic =
         Diagnostic::warning("the first of `virtual_test.frequencies_hz` is far from that of the structure");
-    let own = number(format!("{own:.1e}").parse().unwrap_or(own));
+    let own = significant(own, 2);
     let label = format!("{} Hz; the structure has some {own} Hz", number(*first));
     let help = "frequencies are in Hz, not in rad/s or kHz; are material and lengths of the structure in SI units?";
     diagnostics.put(path, diagnostic.help(help), label);
@@ -58,7 +58,7 @@ fn sampling(scene: &TestScene, diagnostics: &mut Diagnostics<'_>) {
             "kHz",
             1e3,
         ));
-        let samples = number(format!("{:.1e}", scene.sample_rate / first).parse().unwrap_or(0.0));
+        let samples = significant(scene.sample_rate / first, 2);
         diagnostics.put(path, diagnostic, format!("{samples} samples a period of {} Hz", number(first)));
     }
 }

@@ -1,7 +1,7 @@
 use std::f64::consts::TAU;
 
 use crate::check::frequencies::estimate;
-use crate::rule::number;
+use crate::rule::significant;
 use crate::scene::{Scene, Start, Structure};
 use crate::{Diagnostic, Diagnostics};
 
@@ -50,7 +50,7 @@ fn warn_of(path: &str, found: [f64; 2], wanted: [f64; 2], hz: f64, mode: usize, 
     let units = [("rad/s", 1.0 / TAU), ("1/min", 1.0 / 60.0), ("kHz", 1e3)];
     let diagnostic = match units.into_iter().find(|(_, factor)| meets(*factor)) {
         Some((unit, factor)) => {
-            let write = |x: f64| number(format!("{:.3e}", x * factor).parse().unwrap_or(x));
+            let write = |x: f64| significant(x * factor, 4);
             let values = if found[0] == found[1] {
                 write(found[0])
             } else {
@@ -61,6 +61,6 @@ fn warn_of(path: &str, found: [f64; 2], wanted: [f64; 2], hz: f64, mode: usize, 
         None => diagnostic
             .help("`nlmodes-cli modes` computes the linear frequencies; are material and lengths in SI units?"),
     };
-    let about = number(format!("{hz:.1e}").parse().unwrap_or(hz));
+    let about = significant(hz, 2);
     diagnostics.put(path, diagnostic, format!("a branch begins at the linear frequency, here some {about} Hz"));
 }
