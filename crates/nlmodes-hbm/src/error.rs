@@ -27,6 +27,9 @@ pub enum HbmError {
         /// Fewest samples.
         needed: usize,
     },
+    /// Laws of force stand beside damping that couples modes.
+    #[error("laws of force beside damping that couples modes: give the dampers as laws too")]
+    LawsBesideCoupledModes,
     /// The mode number is zero or beyond the number of modes.
     #[error("mode {mode} does not exist: the structure has {available} \
         {}", if *.available == 1 { "mode" } else { "modes" })]

@@ -101,6 +101,10 @@ pub use history::ContactDefects;
 pub use mixed_shooting::{MAX_HARMONICS, MixedShooting, MixedShootingSettings, Scales};
 pub use nlmodes_reduction::HeldMode;
 pub use periodic::{
+    Bilinear, Exponential, ForceLaw, LawForce, PlacedLaw, Polynomial, PowerDamper, PowerSpring, TableLaw,
+    largest_value, law_length, modal_start,
+};
+pub use periodic::{
     Closing, ClosingEquation, Column, ContactMotion, Coordinates, DampedStop, EnergyGiven, Floquet, Functional, Load,
     LoadTerm, ModalDamping, ModalGrazing, ModalStructure, ModeAtRest, Motion, OperatingPoint, PeriodicMotion,
     PeriodicSettings, PeriodicSystem, PhaseCondition, PhaseLag, Refined, ResponseRow, Source, modal_grazing,

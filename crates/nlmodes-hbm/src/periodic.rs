@@ -10,6 +10,7 @@ mod damping;
 mod directions;
 mod doubling;
 mod floquet;
+mod law;
 mod load;
 mod massless;
 mod modal_response;
@@ -28,8 +29,12 @@ pub use closing_equations::{ClosingEquation, EnergyGiven, Functional, Motion, Ph
 pub use damped_stop::DampedStop;
 pub use damping::ModalDamping;
 pub use floquet::Floquet;
+pub use law::{
+    Bilinear, Exponential, ForceLaw, LawForce, PlacedLaw, Polynomial, PowerDamper, PowerSpring, TableLaw, law_length,
+    modal_start,
+};
 pub use load::{Load, LoadTerm};
-pub use motion::{ContactMotion, PeriodicMotion};
+pub use motion::{ContactMotion, PeriodicMotion, largest_value};
 pub use operating_point::{Closing, Column, OperatingPoint, Source};
 pub use refine::Refined;
 pub use start::{ModalGrazing, ModeAtRest, modal_grazing, modal_lift_off};

@@ -59,8 +59,8 @@ impl<'a> Tracer<'a> {
             return false;
         }
         let set = sets.get(from);
-        if let ([curvature], [y], [slope], Some((_, guard))) =
-            (self.curvature.as_slice(), left.0.as_slice(), left.1.as_slice(), set.guard_row(0).next())
+        if let ([curvature], [y], [slope]) = (self.curvature.as_slice(), left.0.as_slice(), left.1.as_slice())
+            && let Some((_, guard)) = set.guard_row(0).next()
         {
             let low = (guard * y[left.2]).min(guard * y[right.2]);
             let bound = width * guard.abs() * curvature;

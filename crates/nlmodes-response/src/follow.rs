@@ -83,12 +83,14 @@ impl Curve<'_> {
     /// Why there are no further points; `omega` as in [`follow`](Self::follow).
     pub fn end(&self, stop: &StopReason, omega: (usize, f64)) -> BranchEnd {
         let is_free = self.system.load().terms().is_empty();
+        // Beside laws of force a mode begins before any stop is touched.
+        let start = if self.system.structure().laws().is_empty() { "grazing" } else { "the start" };
         let is_upper = |coordinate: usize, value: f64| {
             self.bounds.iter().any(|bound| bound.coordinate == coordinate && value > 0.5 * (bound.min + bound.max))
         };
         curve_end(stop, self.settings.max_points, |coordinate, value| match coordinate {
             own if own == omega.0 => frequency_bound(value * omega.1),
-            _ if is_free => energy_bound(value, "grazing"),
+            _ if is_free => energy_bound(value, start),
             own if is_upper(own, value) => (EndReason::Limit, "the largest level was reached".to_owned()),
             _ => (EndReason::Limit, "the smallest level was reached".to_owned()),
         })

@@ -88,6 +88,9 @@ impl ResponseModel {
             let of = |eta: &Vec<Complex64>| eta.iter().enumerate().map(|(k, eta)| eta * structure.rows()[(i, k)]).sum();
             let mut y: Vec<Complex64> = (0..motion.eta.len()).map(|n| of(&motion.coordinates(n))).collect();
             y[0] += structure.gaps()[i];
+            for (y, reactions) in y.iter_mut().zip(&motion.reactions) {
+                *y += reactions.iter().zip(structure.laws()).map(|(f, law)| f * law.contacts[i]).sum::<Complex64>();
+            }
             for term in self.terms() {
                 if let Some(y) = y.get_mut(term.harmonic * subharmonic) {
                     *y += term.gaps[i] * (motion.at.level * omega.powi(term.omega_power));

@@ -1,7 +1,9 @@
+use std::sync::Arc;
+
 use nlmodes_contact::solver_by_name;
 use nlmodes_hbm::{
-    DampedStop, HbmError, Load, LoadTerm, ModalGrazing, ModalStructure, ModeAtRest, PhaseLag, ResponseRow,
-    modal_grazing, modal_lift_off,
+    DampedStop, ForceLaw, HbmError, Load, LoadTerm, ModalGrazing, ModalStructure, ModeAtRest, PhaseLag, PlacedLaw,
+    ResponseRow, modal_grazing, modal_lift_off, modal_start,
 };
 use nlmodes_reduction::{OpenModes, RestState};
 use num_complex::Complex64;
@@ -30,6 +32,17 @@ pub struct ResponseModel {
     residuals: Vec<Vec<Complex64>>,
     forces: Vec<ForceAt>,
     drive: Option<Weights>,
+    laws: Vec<LawAt>,
+    start_energy: Option<f64>,
+}
+
+/// A law at its place.
+#[derive(Debug, Clone)]
+struct LawAt {
+    weights: Weights,
+    placed: PlacedLaw,
+    /// What a unit force at its place moves beyond the modes, n, m/N.
+    residual: Vec<f64>,
 }
 
 impl ResponseModel {
@@ -46,7 +59,16 @@ impl ResponseModel {
             open.stop_compliance(),
             damping.modal(open.omega_squared()),
         )?;
-        Ok(Self { open, structure, terms: Vec::new(), residuals: Vec::new(), forces: Vec::new(), drive: None })
+        Ok(Self {
+            open,
+            structure,
+            terms: Vec::new(),
+            residuals: Vec::new(),
+            forces: Vec::new(),
+            drive: None,
+            laws: Vec::new(),
+            start_energy: None,
+        })
     }
 
     /// Adds dashpots to the ground; the modes are then coupled.
@@ -81,6 +103,31 @@ impl ResponseModel {
         dashpot.at.iter().for_each(|&(dof, w)| unit[dof] += w);
         let residual = self.open.load(&unit)?.residual;
         Ok(dashpot.damping * dashpot.at.iter().map(|&(dof, w)| w * residual[dof]).sum::<f64>())
+    }
+
+    /// Adds a spring or damper with a law of force between the place of these weights and the ground, or, with weights
+    /// of two places, between them. Laws that are no polynomials are evaluated at `samples` instants of a period.
+    ///
+    /// # Errors
+    /// [`ResponseError::NoSuchDof`], or what the reduction reports.
+    pub fn add_law(&mut self, weights: &Weights, law: Arc<dyn ForceLaw>, samples: usize) -> Result<(), ResponseError> {
+        self.check_weights(weights)?;
+        let mut unit = vec![0.0; self.open.n_dofs()];
+        weights.iter().for_each(|&(dof, w)| unit[dof] += w);
+        let load = self.open.load(&unit)?;
+        let placed = PlacedLaw { law, modes: self.padded(load.modal), contacts: load.gaps, laws: Vec::new() };
+        self.laws.push(LawAt { weights: weights.clone(), placed, residual: load.residual });
+        let placed = |of: &LawAt| {
+            let among = self.laws.iter().map(|other| moved(&of.weights, &other.residual)).collect();
+            PlacedLaw { laws: among, ..of.placed.clone() }
+        };
+        self.structure = self.structure.with_laws(self.laws.iter().map(placed).collect(), samples)?;
+        Ok(())
+    }
+
+    /// The averaged kinetic energy, J, at which nonlinear modes of a structure with laws begin.
+    pub fn set_start_energy(&mut self, energy: Option<f64>) {
+        self.start_energy = energy;
     }
 
     /// Adds a force `level · amplitude · cos(harmonic Ωt + phase)` (N a unit of the level, rad) at a degree of freedom.
@@ -224,11 +271,15 @@ impl ResponseModel {
     }
 
     /// The linear mode `mode` (from 1) at the amplitude at which its nonlinear modes begin: where it first touches a
-    /// stop, or, about a rest at which stops press, where the first contact changes its state.
+    /// stop, or, about a rest at which stops press, where the first contact changes its state; beside laws where these
+    /// hardly matter yet, or at the energy that was set.
     ///
     /// # Errors
-    /// As [`modal_grazing`] and [`modal_lift_off`], or what the reduction reports of the structure at rest.
+    /// As [`modal_grazing`], [`modal_lift_off`] and [`modal_start`], or what the reduction reports of the structure at rest.
     pub fn linear_start(&self, mode: usize) -> Result<ModalGrazing, ResponseError> {
+        if !self.laws.is_empty() {
+            return Ok(modal_start(&self.structure, mode, self.start_energy)?);
+        }
         let Some(rest) = self.pressed_rest()? else { return Ok(modal_grazing(&self.structure, mode)?) };
         let modes = self.open.closed_modes(&rest.closed)?;
         let available = modes.omega_squared.len();
@@ -291,18 +342,20 @@ impl ResponseModel {
             return Err(ResponseError::NoLoad);
         }
         let s = settings.subharmonic;
-        let in_base = |term: &LoadTerm| {
+        let in_base = |(term, residual): (&LoadTerm, &Vec<Complex64>)| {
             // A power of Ω as one of the base frequency ω = Ω/s.
             let factor = (s as f64).powi(term.omega_power);
             let scaled = |values: &[Complex64]| values.iter().map(|v| v * factor).collect();
+            let of_law = |law: &LawAt| law.weights.iter().map(|&(dof, w)| residual[dof] * w).sum::<Complex64>();
+            let places: Vec<Complex64> = term.gaps.iter().copied().chain(self.laws.iter().map(of_law)).collect();
             LoadTerm {
                 harmonic: s * term.harmonic,
                 omega_power: term.omega_power,
                 modal: self.padded(scaled(&term.modal)),
-                gaps: scaled(&term.gaps),
+                gaps: scaled(&places),
             }
         };
-        Ok(Load::new(&self.structure, self.terms.iter().map(in_base).collect())?)
+        Ok(Load::new(&self.structure, self.terms.iter().zip(&self.residuals).map(in_base).collect())?)
     }
 
     /// The drive point in its harmonic.
@@ -312,6 +365,11 @@ impl ResponseModel {
         let s = settings.subharmonic as f64;
         row.loads.iter_mut().zip(&self.terms).for_each(|(load, term)| *load *= s.powi(term.omega_power));
         Ok(Some(PhaseLag { row, harmonic: settings.subharmonic, lag: settings.lag }))
+    }
+
+    /// Residual flexibility between the laws and a place, m/N.
+    pub(crate) fn moved_by_laws(&self, weights: &Weights) -> impl Iterator<Item = f64> {
+        self.laws.iter().map(|law| moved(weights, &law.residual))
     }
 
     fn shape_at(&self, weights: &Weights) -> Vec<f64> {
@@ -326,4 +384,9 @@ impl ResponseModel {
             None => Ok(()),
         }
     }
+}
+
+/// Displacement at a place.
+fn moved(weights: &Weights, displacement: &[f64]) -> f64 {
+    weights.iter().map(|&(dof, w)| w * displacement[dof]).sum()
 }

@@ -40,7 +40,7 @@ impl ResponseModel {
         let rows = open.rows(&matrix)?;
         let row = |(j, weights): (usize, &Weights)| ResponseRow {
             modes: self.padded((0..open.n_modes()).map(|k| rows.modes[(j, k)]).collect()),
-            contacts: (0..open.n_contacts()).map(|i| rows.forces[(j, i)]).collect(),
+            contacts: (0..open.n_contacts()).map(|i| rows.forces[(j, i)]).chain(self.moved_by_laws(weights)).collect(),
             loads: self.residuals().map(|r| weights.iter().map(|&(dof, w)| r[dof] * w).sum()).collect(),
         };
         Ok(functionals.iter().enumerate().map(row).collect())

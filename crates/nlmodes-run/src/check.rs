@@ -32,7 +32,7 @@ impl Observer for Warned<'_> {
 /// # Errors
 /// [`RunError`] with the reason if no run can start.
 pub fn check(file: &SceneFile, observer: &mut dyn Observer) -> Result<Outline, RunError> {
-    if file.scene.n_contact_tables() == 0 {
+    if file.scene.is_linear() {
         return Err(no_contact(file).into());
     }
     let (updated, mut told) = (updated(file.clone())?, Warned::of(file, observer));

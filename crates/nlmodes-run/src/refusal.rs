@@ -206,6 +206,8 @@ pub fn at<S>(file: &SceneFile<S>, path: &str, error: &(dyn Error + 'static)) -> 
 
 /// A scene without a stop, of which no nonlinear mode can be computed.
 pub fn no_contact(file: &SceneFile) -> SceneError {
-    let help = ["a stop stands under a heading [[contact]]; `nlmodes-cli modes` computes the linear modes without one"];
+    let help =
+        ["a stop stands under a heading [[contact]], a spring with a law of force under [[spring]]; `nlmodes-cli \
+        modes` computes the linear modes without them"];
     file.error_at("contact", "without a stop there is no nonlinear mode to compute", "", &help)
 }

@@ -5,6 +5,7 @@ mod convert;
 mod curves;
 mod damping;
 mod figures;
+mod laws;
 mod model;
 mod overlaid;
 mod page;
@@ -93,7 +94,7 @@ pub fn one_method(files: &[SceneFile]) -> Result<&SceneFile, RunError> {
 /// in the outcome.
 pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<ResponsesOutcome, RunError> {
     let laid = overlaid::read(file, observer)?;
-    if file.scene.n_contact_tables() == 0 {
+    if file.scene.is_linear() {
         return Err(no_contact(file).into());
     }
     links::refuse(&file.scene.output_directory)?;

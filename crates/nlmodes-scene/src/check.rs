@@ -15,6 +15,7 @@ mod reduction;
 mod response;
 mod section;
 mod shooting;
+mod springs;
 mod static_loads;
 mod structure;
 mod updating;
@@ -156,12 +157,14 @@ fn rest(
         }
     }
     let reduction = reduction::check(raw, (default, &subject.places), diagnostics);
-    let has_responses = raw.response.as_ref().is_some_and(|responses| !responses.is_empty());
-    continuation::check(&raw.continuation, has_responses, diagnostics);
+    let has_responses = raw.has_responses();
+    let ends_elsewhere = raw.response.as_ref().is_some_and(|responses| !responses.is_empty());
+    continuation::check(&raw.continuation, ends_elsewhere, diagnostics);
     let uniform = structure.as_ref().is_none_or(|s| s.straight().is_some_and(|s| s.segments.is_empty()));
     let updating = raw.updating.as_ref().map(|written| updating::checked(written, uniform, diagnostics));
     contact::dampers(&contacts, structure.as_ref(), has_responses, diagnostics);
     let static_loads = static_loads::check(raw, base, &subject.places, diagnostics);
+    let springs = springs::check(raw, base, &subject.places, diagnostics);
     let of_responses = response::check(raw, &subject.places, method.as_ref(), diagnostics);
     let output = raw.output.clone().unwrap_or_default();
     Some(Scene {
@@ -171,6 +174,7 @@ fn rest(
         reduction,
         updating,
         static_loads,
+        springs,
         damping: of_responses.damping,
         forces: of_responses.forces,
         base_motion: of_responses.base_motion,

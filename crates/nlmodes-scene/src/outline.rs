@@ -5,6 +5,7 @@ mod matrices;
 mod records;
 mod reduced;
 mod responses;
+mod springs;
 mod static_loads;
 mod structure;
 mod test;

@@ -10,6 +10,7 @@ mod parts;
 mod records;
 mod reduced;
 mod response;
+mod springs;
 mod static_loads;
 mod structure;
 mod virtual_test;
@@ -22,6 +23,7 @@ pub use reduced::{RawReduced, RawReducedScene, RawRowContact};
 pub use response::{
     RawBaseMotion, RawDamping, RawDashpot, RawDirection, RawForce, RawModeDamping, RawPlace, RawResponse,
 };
+pub use springs::{RawLaw, RawLawSpring};
 pub use static_loads::{RawGravity, RawStaticDisplacement, RawStaticForce, RawThermal};
 pub use structure::{RawMaterial, RawSection, RawStructure};
 pub use virtual_test::{RawExciter, RawNoise, RawSchedule, RawTestScene, RawVirtualTest};
@@ -57,6 +59,8 @@ pub struct RawAnalysis {
     pub thermal: Option<RawThermal>,
     /// Displacements under static loads that are known from elsewhere
     pub static_displacement: Option<RawStaticDisplacement>,
+    /// Springs and dampers with a law of force beside the stops, each under its own heading `[[spring]]`
+    pub spring: Option<Vec<RawLawSpring>>,
     /// Damped and forced motions, in place of the conservative nonlinear mode; several stand under headings
     /// `[[response]]`
     pub response: Option<Vec<RawResponse>>,
@@ -69,6 +73,19 @@ pub struct RawAnalysis {
     pub overlay: Option<Vec<Overlay>>,
     /// Where results go
     pub output: Option<Output>,
+}
+
+impl RawAnalysis {
+    /// Whether curves of responses are computed: they are asked for, or springs with a law of force are there, whose
+    /// nonlinear mode is one.
+    pub fn has_responses(&self) -> bool {
+        self.response.as_ref().is_some_and(|responses| !responses.is_empty()) || self.has_laws()
+    }
+
+    /// Whether there are springs with a law of force.
+    pub fn has_laws(&self) -> bool {
+        self.spring.as_ref().is_some_and(|springs| !springs.is_empty())
+    }
 }
 
 /// A scene of nlmodes: a structure with one-sided stops, and how its nonlinear mode is to be computed. SI units

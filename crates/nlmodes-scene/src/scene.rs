@@ -8,6 +8,7 @@ mod records;
 mod reduced;
 mod reduction;
 mod response;
+mod springs;
 mod static_loads;
 mod supports;
 mod updating;
@@ -27,6 +28,7 @@ pub use records::RecordScene;
 pub use reduced::{Flexibility, Numbers, ReducedModel, RowContact};
 pub use reduction::{Matrices, Reduction, SceneStructure};
 pub use response::{BaseDirection, BaseMotion, Damping, Dashpot, Force, ModeDamping, Place, Response};
+pub use springs::{LawSpring, SpringLaw};
 pub use static_loads::{ForcePlace, Gravity, StaticForce, StaticLoads, Thermal};
 pub use supports::{free_dofs, holds};
 pub use updating::{Updating, UpdatingDone};
@@ -59,6 +61,9 @@ pub struct Scene {
     /// Loads that do not change in time.
     #[serde(default, skip_serializing_if = "StaticLoads::is_empty")]
     pub static_loads: StaticLoads,
+    /// Springs and dampers with a law of force.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub springs: Vec<LawSpring>,
     /// Damping with open contacts.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub damping: Option<Damping>,
@@ -102,6 +107,11 @@ impl Scene {
             SceneStructure::Matrices(matrices) => matrices.contacts.len(),
             SceneStructure::Reduced(model) => model.row_contacts.len(),
         }
+    }
+
+    /// Whether nothing in it is nonlinear: no stop, and no spring with a law of force.
+    pub fn is_linear(&self) -> bool {
+        self.n_contact_tables() == 0 && self.springs.is_empty()
     }
 
     /// Whether the structure is reduced by its open modes.

@@ -17,6 +17,7 @@ mod responses;
 mod results_files;
 mod shooting;
 mod sliding;
+mod springs;
 mod static_loads;
 mod stress;
 mod structures;

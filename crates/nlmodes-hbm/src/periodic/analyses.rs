@@ -5,7 +5,6 @@ use nlmodes_contact::LcpSolver;
 use super::block::LinearResponse;
 use super::closing_equations::{EnergyGiven, PhaseCondition, PhaseLag};
 use super::contact_response::ContactResponse;
-use super::damping::ModalDamping;
 use super::directions::Directions;
 use super::load::Load;
 use super::modal_response::ModalResponse;
@@ -32,12 +31,14 @@ const REPEATED: f64 = 1e-5;
 
 impl Coordinates {
     pub(crate) fn response(self, structure: &Arc<ModalStructure>, even: bool) -> Box<dyn LinearResponse + Send> {
-        let contact = structure.damping().is_diagonal()
-            && match self {
-                Self::Automatic => is_small_and_plain(structure),
-                Self::Contact => true,
-                Self::Modal => false,
-            };
+        // Displacements of laws are coordinates beside those of contacts.
+        let contact = !structure.laws().is_empty()
+            || structure.damping().is_diagonal()
+                && match self {
+                    Self::Automatic => is_small_and_plain(structure),
+                    Self::Contact => true,
+                    Self::Modal => false,
+                };
         if contact {
             Box::new(ContactResponse::new(structure.clone(), even))
         } else {
@@ -76,7 +77,7 @@ impl PeriodicSystem {
         scales: Scales,
         solver: &dyn LcpSolver,
     ) -> Result<Self, HbmError> {
-        let undamped = Arc::new(structure.with_damping(ModalDamping::none(structure.n_modes()))?);
+        let undamped = Arc::new(structure.conservative()?);
         let closing = match symmetry {
             Symmetry::Even => Closing { xi: Source::Fixed(0.0), ..free_motion(scales, vec![Box::new(energy(scales))]) },
             Symmetry::None => free_motion(scales, vec![Box::new(energy(scales)), Box::<PhaseCondition>::default()]),
@@ -165,7 +166,7 @@ impl PeriodicSystem {
     ) -> Result<Self, HbmError> {
         let sizes = [
             ("modes of the drive point", structure.n_modes(), drive.row.modes.len()),
-            ("contacts of the drive point", structure.n_contacts(), drive.row.contacts.len()),
+            ("contacts and laws of the drive point", structure.n_places(), drive.row.contacts.len()),
         ];
         if let Some(&(what, expected, found)) = sizes.iter().find(|(_, expected, found)| expected != found) {
             return Err(HbmError::Size { what, expected, found });

@@ -101,6 +101,9 @@ pub(crate) trait LinearResponse {
     /// Number of coordinates d.
     fn n_coordinates(&self) -> usize;
 
+    /// The first coordinate that is the displacement of a law; those of the others follow.
+    fn first_law(&self) -> usize;
+
     /// `P_ij`: how coordinate j moves gap i.
     fn gap_row(&self, i: usize, j: usize) -> f64;
 

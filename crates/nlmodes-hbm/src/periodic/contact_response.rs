@@ -12,6 +12,13 @@ use super::structure::ModalStructure;
 /// The linear structure as the contacts see it: `x = u = Y η`, for few contacts and uncoupled modes. Contacts that
 /// share a direction, such as stops that face each other, share a coordinate.
 ///
+/// Displacements of laws `v` are coordinates behind them. With the reactions `f` of the laws and the residual
+/// flexibility `H` between the places of contacts and laws, but not between contacts, which the contact operator has,
+///
+/// ```text
+/// u = Y η + H_uf f ,   v = R η + H_fu λ + H_ff f + a
+/// ```
+///
 /// `u_n = Σ_k y_k w_k/D_k`, `w_k = y_kᵀ λ_n + p_k`, has a pole where an undamped mode is resonant. With the most
 /// resonant mode p apart, `v = u − Σ_{k≠p} y_k w_k/D_k`, `ρ = √(|D_p|² + s_p²)` and the reflection `B` that brings
 /// `y_p` to the first coordinate, the first row is multiplied by `D_p/ρ`:
@@ -31,6 +38,8 @@ pub(crate) struct ContactResponse {
     /// Modes that move a contact.
     moving: Vec<usize>,
     directions: Directions,
+    /// `H` of these coordinates, row-major; empty without laws.
+    residual: Vec<f64>,
     /// `y_k` of all modes, one mode after the other, with `|y_k|²`.
     rows: Vec<f64>,
     squares: Vec<f64>,
@@ -52,14 +61,20 @@ impl ContactResponse {
     pub fn new(structure: Arc<ModalStructure>, even: bool) -> Self {
         let modes = 0..structure.n_modes();
         let directions = Directions::of(&structure);
-        let row = |k: usize| -> Vec<f64> { directions.first.iter().map(|&i| structure.rows()[(i, k)]).collect() };
+        let laws = structure.laws();
+        let row = |k: usize| -> Vec<f64> {
+            let contacts = directions.first.iter().map(|&i| structure.rows()[(i, k)]);
+            contacts.chain(laws.iter().map(|law| law.modes[k])).collect()
+        };
+        let residual = residual(&structure, &directions);
         Self {
             coupling: modes.clone().map(|k| structure.coupling(k)).collect(),
             moving: modes.clone().filter(|&k| structure.moves_a_contact(k)).collect(),
             rows: modes.clone().flat_map(row).collect(),
             squares: modes.clone().map(|k| row(k).iter().map(|y| y.powi(2)).sum()).collect(),
             turns: modes.map(|k| Turn::of(row(k))).collect(),
-            even: even.then(|| ModeSums::new(&structure, &directions.first)),
+            even: even.then(|| ModeSums::new(&structure, &directions.first, &residual)),
+            residual,
             directions,
             structure,
         }
@@ -67,7 +82,29 @@ impl ContactResponse {
 
     /// Number of coordinates.
     fn size(&self) -> usize {
-        self.directions.first.len()
+        self.directions.first.len() + self.structure.laws().len()
+    }
+
+    /// Takes the static shares of laws off their displacements `v` and the derivatives: `H f̂` and what the load moves.
+    fn take_static(
+        &self,
+        n: usize,
+        at: OperatingPoint,
+        drive: &Drive,
+        v: &mut [Complex64],
+        dv: &mut [Vec<Complex64>; 3],
+    ) {
+        if self.residual.is_empty() {
+            return;
+        }
+        v.iter_mut().zip(self.residual.chunks(self.size())).for_each(|(v, row)| *v -= along(row, drive.force));
+        let (first, contacts) = (self.directions.first.len(), self.structure.n_contacts());
+        let Some(load) = drive.load else { return };
+        for l in 0..self.structure.laws().len() {
+            let moved = load.gap(n, contacts + l, at);
+            v[first + l] -= moved.value;
+            (0..3).for_each(|t| dv[t][first + l] -= moved.by[t]);
+        }
     }
 
     /// `y_k`, c.
@@ -103,6 +140,23 @@ impl ContactResponse {
     }
 }
 
+/// `H`, residual flexibility between contacts and laws, and among laws, in the coordinates; empty without laws.
+fn residual(structure: &ModalStructure, directions: &Directions) -> Vec<f64> {
+    let (first, laws) = (&directions.first, structure.laws());
+    if laws.is_empty() {
+        return Vec::new();
+    }
+    let c = first.len();
+    let entry = |i: usize, j: usize| match (i.checked_sub(c), j.checked_sub(c)) {
+        (None, None) => 0.0,
+        (None, Some(l)) => laws[l].contacts[first[i]],
+        (Some(l), None) => laws[l].contacts[first[j]],
+        (Some(l), Some(other)) => laws[l].laws[other],
+    };
+    let d = c + laws.len();
+    (0..d).flat_map(|i| (0..d).map(move |j| (i, j))).map(|(i, j)| entry(i, j)).collect()
+}
+
 /// What drives the modes in one harmonic.
 struct Drive<'a> {
     force: &'a [Complex64],
@@ -126,6 +180,10 @@ fn along(row: &[f64], v: &[Complex64]) -> Complex64 {
 impl LinearResponse for ContactResponse {
     fn n_coordinates(&self) -> usize {
         self.size()
+    }
+
+    fn first_law(&self) -> usize {
+        self.directions.first.len()
     }
 
     fn gap_row(&self, i: usize, j: usize) -> f64 {
@@ -158,6 +216,7 @@ impl LinearResponse for ContactResponse {
         let pole = block.pole.map(|(p, _)| p);
         let drive = Drive { force: &block.force, load: load.has_harmonic(n).then_some(load), by: [true; 3] };
         let drives = |k: usize| drive.load.is_some() || self.squares[k] > 0.0;
+        self.take_static(n, at, &drive, &mut v, &mut dv);
         for k in (0..motion.eta.len()).filter(|&k| Some(k) != pole && drives(k)) {
             let answer = self.answer(k, n, at, &drive);
             motion.eta[k] = answer.eta;
@@ -188,6 +247,10 @@ impl LinearResponse for ContactResponse {
         for (i, y) in self.row(p).iter().enumerate() {
             by_x[i] = weights[p] * share * y;
             by_force[i] = apart * y;
+        }
+        for (y, row) in self.row(p).iter().zip(self.residual.chunks(c)) {
+            let weight = weights[p] * share * y;
+            by_force.iter_mut().zip(row).for_each(|(b, h)| *b -= weight * h);
         }
         for &k in self.moving.iter().filter(|k| **k != p) {
             let across: f64 = self.row(p).iter().zip(self.row(k)).map(|(a, b)| a * b).sum();
@@ -242,6 +305,8 @@ impl ContactResponse {
         let HarmonicBlock { x, force, g, residual, d_residual, kinetic, .. } = &mut *block;
         residual.copy_from_slice(x);
         let drive = Drive { force, load: load.has_harmonic(n).then_some(load), by: asked.by };
+        self.take_static(n, at, &drive, residual, d_residual);
+        g.iter_mut().zip(&self.residual).for_each(|(g, h)| g.re = *h);
         // Modes that move no contact answer to a load alone, which only their energy tells.
         let all = asked.energy && drive.load.is_some();
         for k in (0..self.coupling.len()).filter(|&k| Some(k) != pole && (all || self.squares[k] > 0.0)) {

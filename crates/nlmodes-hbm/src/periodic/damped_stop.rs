@@ -41,6 +41,7 @@ impl ModalStructure {
             structure.inertia.push(0.0);
             structure.damped.push(i);
         }
+        structure.laws.iter_mut().for_each(|law| law.modes.resize(m + n, 0.0));
         let of = |i: usize| stops.iter().position(|stop| stop.contact == i);
         let row = |i: usize, k: usize| match k.checked_sub(m) {
             None => self.rows[(i, k)],

@@ -24,6 +24,7 @@ impl PeriodicSystem {
     /// [`HbmError`] if the contact problem has no solution there, or a factorisation fails.
     pub fn doubling_disturbance(&mut self, x: &[f64], p: f64, highest: usize) -> Result<Vec<Vec<Complex64>>, HbmError> {
         let at = self.solve(x, p)?;
+        let laws = self.law_motion(x);
         let m = self.structure.n_modes();
         let intervals: Vec<PatternInterval> = self.operator.intervals().to_vec();
         let mut flows = Vec::with_capacity(intervals.len());
@@ -32,13 +33,20 @@ impl PeriodicSystem {
             let width = interval.to - interval.from;
             let parts = 2 * ((0.5 * width / TAU * (SAMPLES * (highest + 1)) as f64).ceil() as usize).max(1);
             let part = PatternInterval { to: interval.from + width / parts as f64, ..*interval };
-            let step = self.step(&self.operator, &part, at.omega, at.xi)?;
-            (0..parts).for_each(|_| monodromy = &step * &monodromy);
-            flows.push((*interval, parts, step));
+            // Between two instants nothing changes but the slopes of laws.
+            let different = if self.structure.laws().is_empty() { 1 } else { parts };
+            let at_part = |j: usize| {
+                let by = j as f64 * width / parts as f64;
+                PatternInterval { from: part.from + by, to: part.to + by, ..part }
+            };
+            let steps = (0..different).map(|j| self.step(&self.operator, &laws, &at_part(j), at));
+            let steps = steps.collect::<Result<Vec<_>, _>>()?;
+            (0..parts).for_each(|j| monodromy = &steps[j % different] * &monodromy);
+            flows.push((*interval, parts, steps));
         }
         let mut state = opposite(&monodromy)?;
         let mut sums = vec![vec![Complex64::default(); m]; highest + 1];
-        for (interval, parts, step) in &flows {
+        for (interval, parts, steps) in &flows {
             let width = (interval.to - interval.from) / *parts as f64;
             for j in 0..=*parts {
                 // Simpson's rule.
@@ -54,7 +62,7 @@ impl PeriodicSystem {
                     sum.iter_mut().zip(&state).for_each(|(sum, z)| *sum += factor * *z);
                 }
                 if j < *parts {
-                    state = times(step, &state);
+                    state = times(&steps[j % steps.len()], &state);
                 }
             }
         }

@@ -1,12 +1,14 @@
 use std::f64::consts::TAU;
 
-use nlmodes_linalg::{Mat, eigenvalues, matrix_exponential, max_norm};
+use nlmodes_linalg::{DenseLu, Mat, eigenvalues, matrix_exponential, max_norm};
 use nlmodes_modal::Stability;
 use num_complex::Complex64;
 
 use super::block::dynamic_stiffness;
+use super::law::LawOperator;
 use super::operating_point::OperatingPoint;
 use super::system::PeriodicSystem;
+use crate::closed_set::ClosedSet;
 use crate::{ContactOperator, HbmError, RealSeries, Symmetry};
 
 /// Floquet multipliers of a periodic response from its contact instants.
@@ -15,7 +17,8 @@ use crate::{ContactOperator, HbmError, RealSeries, Symmetry};
 /// z̈ + Ĉ ż + (diag ω_k² − Yᵀ S_j Y) z = 0    while set j is closed, S_j = dλ/dy ;    M = Π_j e^{A_j Δt_j} ,   Π μ = e^{−tr Ĉ T}
 /// ```
 ///
-/// Contact forces start from zero, so that nothing jumps at an instant. The instants are those of the motion with three
+/// Laws beside the stops add `−Rᵀ (k r + c ṙ)` with their slopes at each instant, for which the intervals are divided and
+/// the exponents are those of the fourth-order Magnus expansion at two points each. Contact forces start from zero, so that nothing jumps at an instant. The instants are those of the motion with three
 /// times the harmonics, whose additional ones follow from the contact forces; what each multiplier changes against
 /// those of the solution itself makes the error band, also where another one may be the largest.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,6 +45,42 @@ impl Floquet {
 /// Harmonics of the motion with better instants, over those of the solution.
 const FINER: usize = 3;
 
+/// Steps of a period for each harmonic in which the slopes of laws are followed.
+const STEPS: usize = 4;
+
+/// Displacements of the laws over a period.
+pub(super) struct LawMotion {
+    /// Complex amplitudes of each law, m.
+    z: Vec<Vec<Complex64>>,
+}
+
+impl LawMotion {
+    /// From coefficients, one law after the other, m.
+    pub fn new(series: RealSeries, real: &[f64]) -> Self {
+        let of = |real: &[f64]| {
+            let mut z = vec![Complex64::default(); series.n_harmonics + 1];
+            series.to_complex(real, &mut z);
+            z
+        };
+        Self { z: real.chunks(series.width()).map(of).collect() }
+    }
+
+    /// Displacement of a law and its derivative by the phase.
+    fn at(&self, law: usize, tau: f64) -> (f64, f64) {
+        let term = |(n, z): (usize, &Complex64)| {
+            let turned = z * Complex64::cis(n as f64 * tau);
+            (turned.re, -turned.im * n as f64)
+        };
+        self.z[law].iter().enumerate().map(term).fold((0.0, 0.0), |sum, term| (sum.0 + term.0, sum.1 + term.1))
+    }
+
+    /// Steps in which an interval of this width is divided.
+    fn steps(&self, width: f64) -> usize {
+        let harmonics = self.z.first().map_or(0, Vec::len);
+        ((width / TAU * (STEPS * harmonics) as f64).ceil() as usize).max(1)
+    }
+}
+
 impl PeriodicSystem {
     /// Floquet multipliers of the response with the unknowns `x` at the parameter `p`. A free motion has the multiplier
     /// +1 by its phase.
@@ -50,41 +89,72 @@ impl PeriodicSystem {
     /// [`HbmError`] if the contact problem has no solution there, or a factorisation fails.
     pub fn floquet(&mut self, x: &[f64], p: f64, solver: &dyn nlmodes_contact::LcpSolver) -> Result<Floquet, HbmError> {
         let at = self.solve(x, p)?;
-        let coarse = self.multipliers(&self.operator, at.omega, at.xi)?;
+        let laws = self.law_motion(x);
+        let coarse = self.multipliers(&self.operator, &laws, at)?;
         let series = RealSeries { symmetry: Symmetry::None, n_harmonics: FINER * self.settings().harmonics };
         let mut finer = ContactOperator::new(self.structure.compliance(), series, crate::Switching::Exact, solver)?;
-        let y = self.finer_gaps(&mut finer, at)?;
+        let (y, laws) = self.finer_gaps(&mut finer, x, at)?;
         finer.solve(&y)?;
-        let multipliers = self.multipliers(&finer, at.omega, at.xi)?;
+        let multipliers = self.multipliers(&finer, &laws, at)?;
         let error = band(&coarse, &multipliers);
         Ok(Floquet { multipliers, error: error.max(1e-9) })
     }
 
-    /// Gaps with more harmonics, by the forces of the gaps that there are: `y_n = Y D_n⁻¹ Yᵀ λ_n` beyond `N_h`,
-    /// uncoupled damping.
-    fn finer_gaps(&self, finer: &mut ContactOperator, at: OperatingPoint) -> Result<Vec<f64>, HbmError> {
+    /// Displacements of the laws in the motion with the unknowns `x`.
+    pub(super) fn law_motion(&self, x: &[f64]) -> LawMotion {
+        LawMotion::new(self.series(), &self.law_displacements(x))
+    }
+
+    fn law_displacements(&self, x: &[f64]) -> Vec<f64> {
+        let (first, unit) = (self.response.first_law() * self.series().width(), self.unit());
+        x[first..self.n_coefficients()].iter().map(|x| x * unit).collect()
+    }
+
+    /// Gaps and displacements of laws with more harmonics, by the forces of those that there are: `y_n = Y D_n⁻¹ Yᵀ λ_n`
+    /// beyond `N_h`, uncoupled damping.
+    fn finer_gaps(
+        &self,
+        finer: &mut ContactOperator,
+        x: &[f64],
+        at: OperatingPoint,
+    ) -> Result<(Vec<f64>, LawMotion), HbmError> {
         let (own, series) = (self.series(), finer.series());
-        let (c, m) = (self.structure.n_contacts(), self.structure.n_modes());
-        let mut y: Vec<f64> =
-            self.y.chunks(own.width()).flat_map(|y| as_unsymmetric(own, y).resized_to(series)).collect();
+        let (c, m, laws) = (self.structure.n_contacts(), self.structure.n_modes(), self.structure.laws());
+        let with_more = |real: &[f64]| -> Vec<f64> {
+            real.chunks(own.width()).flat_map(|y| as_unsymmetric(own, y).resized_to(series)).collect()
+        };
+        let (mut y, mut v) = (with_more(&self.y), with_more(&self.law_displacements(x)));
         finer.solve(&y)?;
         let forces = finer.apply(&y);
+        let [reactions, _] = LawOperator::new(laws, series, self.structure.law_samples)?.solve(&v, at.omega);
         let rows = self.structure.rows();
+        let row = |i: usize, k: usize| if i < c { rows[(i, k)] } else { laws[i - c].modes[k] };
         for n in own.n_harmonics + 1..=series.n_harmonics {
-            let force: Vec<Complex64> = super::rows::complex_harmonic(series, &forces, n);
-            let mut gap = vec![Complex64::default(); c];
+            let mut force: Vec<Complex64> = super::rows::complex_harmonic(series, &forces, n);
+            force.resize(c, Complex64::default());
+            force.extend(super::rows::complex_harmonic(series, &reactions, n));
+            let mut moved = vec![Complex64::default(); force.len()];
             for k in 0..m {
                 let (d, _) = dynamic_stiffness(&self.structure, n, k, at);
-                let drive: Complex64 = (0..c).map(|i| force[i] * rows[(i, k)]).sum();
+                let drive: Complex64 = force.iter().enumerate().map(|(i, f)| f * row(i, k)).sum();
                 if drive.norm_sqr() > 0.0 && d.norm_sqr() > 0.0 {
-                    gap.iter_mut().enumerate().for_each(|(i, g)| *g += drive / d * rows[(i, k)]);
+                    moved.iter_mut().enumerate().for_each(|(i, g)| *g += drive / d * row(i, k));
                 }
             }
-            for (i, gap) in gap.iter().enumerate() {
-                series.put(*gap, n, &mut y[i * series.width()..(i + 1) * series.width()]);
+            for (l, law) in laws.iter().enumerate() {
+                for i in 0..c {
+                    moved[i] += force[c + l] * law.contacts[i];
+                    moved[c + l] += force[i] * law.contacts[i];
+                }
+                let among: Complex64 = law.laws.iter().zip(&force[c..]).map(|(h, f)| f * *h).sum();
+                moved[c + l] += among;
+            }
+            for (i, moved) in moved.iter().enumerate() {
+                let (real, i) = if i < c { (&mut y, i) } else { (&mut v, i - c) };
+                series.put(*moved, n, &mut real[i * series.width()..(i + 1) * series.width()]);
             }
         }
-        Ok(y)
+        Ok((y, LawMotion::new(series, &v)))
     }
 
     /// What the motion does to a disturbance within an interval of the contact pattern: `e^{𝒜 Δt}`, `𝒜` that of
@@ -92,21 +162,46 @@ impl PeriodicSystem {
     pub(super) fn step(
         &self,
         operator: &ContactOperator,
+        laws: &LawMotion,
         interval: &crate::PatternInterval,
-        omega: f64,
-        xi: f64,
+        at: OperatingPoint,
     ) -> Result<Mat<f64>, HbmError> {
-        matrix_exponential(&self.flow(operator, interval, omega, xi))
-            .map_err(|source| HbmError::Linalg { what: "matrix exponential between two contact instants", source })
+        let failed = |source| HbmError::Linalg { what: "matrix exponential between two contact instants", source };
+        let (set, width) = (operator.sets.get(interval.set), (interval.to - interval.from).clamp(0.0, TAU));
+        if laws.z.is_empty() {
+            return matrix_exponential(&self.flow(set, laws, (interval.from, width), at)?).map_err(failed);
+        }
+        let (states, steps) = (self.n_states(), laws.steps(width));
+        let mut product = Mat::<f64>::identity(states, states);
+        for j in 0..steps {
+            let part = width / steps as f64;
+            let middle = interval.from + (j as f64 + 0.5) * part;
+            let [a, b] = [-1.0, 1.0].map(|side| self.flow(set, laws, (middle + side * part / 12_f64.sqrt(), part), at));
+            let (a, b) = (a?, b?);
+            let twisted = &b * &a - &a * &b;
+            let exponent =
+                Mat::from_fn(states, states, |i, j| 0.5 * (a[(i, j)] + b[(i, j)]) + twisted[(i, j)] / 48_f64.sqrt());
+            product = matrix_exponential(&exponent).map_err(failed)? * product;
+        }
+        Ok(product)
     }
 
     /// Multipliers for the contact pattern of an operator, by falling magnitude.
-    fn multipliers(&self, operator: &ContactOperator, omega: f64, xi: f64) -> Result<Vec<Complex64>, HbmError> {
+    fn multipliers(
+        &self,
+        operator: &ContactOperator,
+        laws: &LawMotion,
+        at: OperatingPoint,
+    ) -> Result<Vec<Complex64>, HbmError> {
         let (states, even) = (self.n_states(), operator.series().symmetry == Symmetry::Even);
         let mut monodromy = Mat::<f64>::identity(states, states);
-        let mirrored = operator.intervals().iter().rev().filter(|_| even);
-        for interval in operator.intervals().iter().chain(mirrored) {
-            let step = self.step(operator, interval, omega, xi)?;
+        let mirrored = operator.intervals().iter().rev().filter(|_| even).map(|interval| crate::PatternInterval {
+            from: TAU - interval.to,
+            to: TAU - interval.from,
+            ..*interval
+        });
+        for interval in operator.intervals().iter().copied().chain(mirrored) {
+            let step = self.step(operator, laws, &interval, at)?;
             monodromy = step * monodromy;
         }
         let mut multipliers =
@@ -120,26 +215,23 @@ impl PeriodicSystem {
         self.structure.n_modes() + self.structure.n_moving()
     }
 
-    /// `A_j Δτ/ω` for the state `(z, ż/ω)`; of a stop that dissipates `d ṡ = λ − k s`.
-    pub(super) fn flow(
+    /// `A_j Δτ/ω` for the state `(z, ż/ω)` at the phase `tau` for the width `Δτ`; of a stop that dissipates
+    /// `d ṡ = λ − k s`.
+    fn flow(
         &self,
-        operator: &ContactOperator,
-        interval: &crate::PatternInterval,
-        omega: f64,
-        xi: f64,
-    ) -> Mat<f64> {
+        set: &ClosedSet,
+        laws: &LawMotion,
+        (tau, width): (f64, f64),
+        OperatingPoint { omega, xi, .. }: OperatingPoint,
+    ) -> Result<Mat<f64>, HbmError> {
         let m = self.structure.n_modes();
-        let (rows, set) = (self.structure.rows(), operator.sets.get(interval.set));
-        let width = (interval.to - interval.from).clamp(0.0, TAU);
-        let contact = |k: usize, l: usize| -> f64 {
-            let pressed = |i: usize| set.force_row(i).map(|(j, s)| s * rows[(j, l)]).sum::<f64>();
-            set.active.iter().map(|&i| rows[(i, k)] * pressed(i)).sum()
-        };
+        let slopes = self.slopes(set, laws, tau, omega)?;
         let (moving, states) = (self.structure.n_moving(), self.n_states());
-        Mat::from_fn(states, states, |i, j| {
+        Ok(Mat::from_fn(states, states, |i, j| {
             let (k, l) = (i % m, j % m);
             let own = f64::from(u8::from(k == l));
-            let pressed = || contact(k, l) - own * self.structure.omega_squared()[k];
+            let pressed = || slopes.sum(&slopes.by_place, k, l) - own * self.structure.omega_squared()[k];
+            let damped = || self.structure.damping().entry(k, l) - slopes.sum(&slopes.by_rate, k, l) - own * xi;
             width
                 * match (i < m, j < m) {
                     (true, true) if i < moving => 0.0,
@@ -147,9 +239,69 @@ impl PeriodicSystem {
                     (true, false) if i >= moving => 0.0,
                     (true, false) => own,
                     (false, true) => pressed() / (omega * omega),
-                    (false, false) => -(self.structure.damping().entry(k, l) - own * xi) / omega,
+                    (false, false) => -damped() / omega,
                 }
-        })
+        }))
+    }
+
+    /// How the forces of closed contacts and laws follow a disturbance at a phase.
+    ///
+    /// With `δλ = S (Y z + H_uf δf)` of the closed contacts and `δf = −k (R z + H_fu δλ + H_ff δf) − c R ż`, both are
+    /// eliminated; residual flexibility under a damper is left out.
+    fn slopes(&self, set: &ClosedSet, motion: &LawMotion, tau: f64, omega: f64) -> Result<Slopes, HbmError> {
+        let (m, rows, laws) = (self.structure.n_modes(), self.structure.rows(), self.structure.laws());
+        let closed = &set.active;
+        let (a, size) = (closed.len(), closed.len() + laws.len());
+        let places = Mat::from_fn(size, m, |i, k| match i.checked_sub(a) {
+            None => rows[(closed[i], k)],
+            Some(l) => laws[l].modes[k],
+        });
+        let pressed = |i: usize, z: &dyn Fn(usize) -> f64| set.force_row(closed[i]).map(|(j, s)| s * z(j)).sum::<f64>();
+        if laws.is_empty() {
+            let by_place = Mat::from_fn(a, m, |i, k| pressed(i, &|j| rows[(j, k)]));
+            return Ok(Slopes { by_rate: Mat::zeros(0, m), by_place, places });
+        }
+        let slope = |l: usize| {
+            let (v, dv) = motion.at(l, tau);
+            laws[l].law.at(v, omega * dv)
+        };
+        let slopes: Vec<_> = (0..laws.len()).map(slope).collect();
+        let coupled = Mat::from_fn(size, size, |i, j| {
+            let own = f64::from(u8::from(i == j));
+            own + match (i.checked_sub(a), j.checked_sub(a)) {
+                (None, None) => 0.0,
+                (None, Some(l)) => -pressed(i, &|j| laws[l].contacts[j]),
+                (Some(l), None) => slopes[l].stiffness * laws[l].contacts[closed[j]],
+                (Some(l), Some(other)) => slopes[l].stiffness * laws[l].laws[other],
+            }
+        });
+        let lu = DenseLu::factor(&coupled)
+            .map_err(|source| HbmError::Linalg { what: "forces of contacts and laws together", source })?;
+        let by_place = Mat::from_fn(size, m, |i, k| match i.checked_sub(a) {
+            None => pressed(i, &|j| rows[(j, k)]),
+            Some(l) => -slopes[l].stiffness * laws[l].modes[k],
+        });
+        let by_rate = Mat::from_fn(size, m, |i, k| match i.checked_sub(a) {
+            None => 0.0,
+            Some(l) => -slopes[l].damping * laws[l].modes[k],
+        });
+        Ok(Slopes { by_place: lu.solve_columns(&by_place), by_rate: lu.solve_columns(&by_rate), places })
+    }
+}
+
+/// How forces follow modal displacements and velocities, and how they act on the modes.
+struct Slopes {
+    /// Forces by modal displacements, and by modal velocities, a row each; none of the latter without laws.
+    by_place: Mat<f64>,
+    by_rate: Mat<f64>,
+    /// The modes at their places.
+    places: Mat<f64>,
+}
+
+impl Slopes {
+    /// What forces do to mode `k` by mode `l`.
+    fn sum(&self, forces: &Mat<f64>, k: usize, l: usize) -> f64 {
+        (0..forces.nrows()).map(|i| self.places[(i, k)] * forces[(i, l)]).sum()
     }
 }
 

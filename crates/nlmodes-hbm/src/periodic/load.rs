@@ -14,7 +14,8 @@ pub struct LoadTerm {
     pub omega_power: i32,
     /// `Φᵀ f`, m, N/√kg.
     pub modal: Vec<Complex64>,
-    /// What it adds to the gaps by itself, m, c: residual flexibility of a force, motion of a base past a fixed stop.
+    /// What it adds to the gaps, and to the displacements of laws behind them, by itself, m: residual flexibility of a
+    /// force, motion of a base past a fixed stop.
     pub gaps: Vec<Complex64>,
 }
 
@@ -40,7 +41,7 @@ impl Load {
         for term in &terms {
             let sizes = [
                 ("modes of a load", structure.n_modes(), term.modal.len()),
-                ("contacts of a load", structure.n_contacts(), term.gaps.len()),
+                ("contacts and laws of a load", structure.n_places(), term.gaps.len()),
             ];
             if let Some(&(what, expected, found)) = sizes.iter().find(|(_, expected, found)| expected != found) {
                 return Err(HbmError::Size { what, expected, found });
@@ -72,7 +73,7 @@ impl Load {
         self.sum(n, at, |term| term.modal[k])
     }
 
-    /// What harmonic n adds to gap i.
+    /// What harmonic n adds to gap i, or to the displacement of a law behind the gaps.
     pub(crate) fn gap(&self, n: usize, i: usize, at: OperatingPoint) -> Varied {
         self.sum(n, at, |term| term.gaps[i])
     }

@@ -43,6 +43,10 @@ impl LinearResponse for ModalResponse {
         self.active.len()
     }
 
+    fn first_law(&self) -> usize {
+        self.active.len()
+    }
+
     fn gap_row(&self, i: usize, j: usize) -> f64 {
         self.structure.rows()[(i, self.active[j])]
     }

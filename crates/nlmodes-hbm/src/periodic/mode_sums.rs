@@ -19,7 +19,7 @@ pub(crate) struct ModeSums {
     coupling: Vec<f64>,
     /// `y_ik` of all modes for one coordinate after the other; where there is only one, `y_k²`.
     rows: Vec<f64>,
-    /// `G` of the coordinates without mass.
+    /// `G` of the coordinates without mass, and of the residual flexibility.
     massless: Vec<f64>,
     /// `1/D_k`, `η_k`, and `y_ik/D_k` of all coordinates.
     inverse: Vec<f64>,
@@ -40,20 +40,25 @@ pub(crate) struct Sums {
 }
 
 impl ModeSums {
-    /// Of coordinates that move as these contacts do.
-    pub fn new(structure: &ModalStructure, contacts: &[usize]) -> Self {
-        let (c, y) = (contacts.len(), |i: usize, k: usize| structure.rows()[(contacts[i], k)]);
+    /// Of coordinates that move as these contacts do, and of laws behind them; `residual` (c × c) is their flexibility
+    /// beyond the modes, or empty.
+    pub fn new(structure: &ModalStructure, contacts: &[usize], residual: &[f64]) -> Self {
+        let c = contacts.len() + structure.laws().len();
+        let y = |i: usize, k: usize| match i.checked_sub(contacts.len()) {
+            None => structure.rows()[(contacts[i], k)],
+            Some(l) => structure.laws()[l].modes[k],
+        };
         let moving = (0..structure.n_modes()).filter(|&k| structure.moves_a_contact(k));
         let (mut modes, springs): (Vec<usize>, Vec<usize>) = moving.partition(|&k| structure.inertia()[k] > 0.0);
         modes.sort_by(|a, b| structure.omega_squared()[*a].total_cmp(&structure.omega_squared()[*b]));
         let of_springs =
-            |i: usize, j: usize| springs.iter().map(|&k| y(i, k) * y(j, k) / structure.omega_squared()[k]).sum();
+            |i: usize, j: usize| springs.iter().map(|&k| y(i, k) * y(j, k) / structure.omega_squared()[k]).sum::<f64>();
         let pairs = (0..c).flat_map(|i| (0..c).map(move |j| (i, j)));
         let rows = (0..c).flat_map(|i| modes.iter().map(move |&k| (i, k)));
         Self {
             squares: modes.iter().map(|&k| structure.omega_squared()[k]).collect(),
             coupling: modes.iter().map(|&k| structure.coupling(k)).collect(),
-            massless: pairs.map(|(i, j)| of_springs(i, j)).collect(),
+            massless: pairs.map(|(i, j)| of_springs(i, j) + residual.get(i * c + j).unwrap_or(&0.0)).collect(),
             rows: rows.map(|(i, k)| if c == 1 { y(i, k).powi(2) } else { y(i, k) }).collect(),
             inverse: vec![0.0; modes.len()],
             eta: vec![0.0; modes.len()],

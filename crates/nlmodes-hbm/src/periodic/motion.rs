@@ -58,6 +58,8 @@ pub struct PeriodicMotion {
     pub stops: Vec<Vec<Complex64>>,
     /// Contact forces, harmonic by harmonic, c each, N.
     pub forces: Vec<Vec<Complex64>>,
+    /// Reactions of the laws on the structure, harmonic by harmonic, N.
+    pub reactions: Vec<Vec<Complex64>>,
     /// The contacts.
     pub contacts: Vec<ContactMotion>,
     /// Averaged kinetic energy, J.
@@ -75,7 +77,8 @@ impl PeriodicMotion {
     /// Complex amplitudes of a displacement, harmonic by harmonic, m; without what the load moves statically.
     pub fn displacement(&self, row: &ResponseRow) -> Vec<Complex64> {
         let of = |row: &[f64], z: &[Complex64]| row.iter().zip(z).map(|(r, z)| z * *r).sum::<Complex64>();
-        self.eta.iter().zip(&self.forces).map(|(eta, force)| of(&row.modes, eta) + of(&row.contacts, force)).collect()
+        let forces = self.forces.iter().zip(&self.reactions).map(|(contacts, laws)| [&contacts[..], laws].concat());
+        self.eta.iter().zip(forces).map(|(eta, force)| of(&row.modes, eta) + of(&row.contacts, &force)).collect()
     }
 
     /// Modal coordinates and, behind them, the displacements of the stops that dissipate, of one harmonic.
@@ -129,7 +132,12 @@ impl PeriodicSystem {
         let at = self.solve(x, p)?;
         let (series, c) = (self.series(), self.structure.n_contacts());
         let eta: Vec<Vec<Complex64>> = (0..self.blocks.len()).map(|n| self.modal_motion(n, at).eta).collect();
-        let forces: Vec<Vec<Complex64>> = (0..eta.len()).map(|n| complex_harmonic(series, &self.forces, n)).collect();
+        let split = |n: usize| {
+            let mut forces = self.forces_of_harmonic(n);
+            let reactions = forces.split_off(c);
+            (forces, reactions)
+        };
+        let (forces, reactions): (Vec<Vec<Complex64>>, Vec<Vec<Complex64>>) = (0..eta.len()).map(split).unzip();
         let free = complex_harmonic(series, &self.y, 1);
         let mean = self.operator.mean_forces();
         let contacts = (0..c).map(|i| self.contact_motion(i, mean[i], free[i], (&eta, &forces[1]), at.omega)).collect();
@@ -139,7 +147,8 @@ impl PeriodicSystem {
         let damped = |n: usize| 0.5 * nu(n).powi(2) * self.structure.damping().form(&eta[n]);
         let power = |n: usize| {
             let modal = (0..self.structure.n_modes()).map(|k| (self.load.modal(n, k, at).value, eta[n][k]));
-            let gaps = (0..c).map(|i| (self.load.gap(n, i, at).value, forces[n][i]));
+            let places = forces[n].iter().chain(&reactions[n]).enumerate();
+            let gaps = places.map(|(i, force)| (self.load.gap(n, i, at).value, *force));
             0.5 * nu(n) * modal.chain(gaps).map(|(load, z)| (load * (Complex64::I * z).conj()).re).sum::<f64>()
         };
         // ½⟨ηᵀ Ω² η⟩, and ½⟨λᵀ (A + C) λ⟩ = −½⟨λᵀ y⟩ by complementarity.
@@ -148,12 +157,13 @@ impl PeriodicSystem {
             let modal = eta[n].iter().zip(self.structure.omega_squared()).map(|(e, w)| w * e.norm_sqr()).sum::<f64>();
             let y = complex_harmonic(series, &self.y, n);
             let contact: f64 = forces[n].iter().zip(&y).map(|(f, y)| (f * y.conj()).re).sum();
-            mean_share(n) * (modal - contact)
+            // Beside the modes the structure stores ½ (λ, f)ᵀ H (λ, f), of which that of the contacts alone is theirs.
+            mean_share(n) * (modal - contact + self.between_laws(&forces[n], &reactions[n]))
         };
         let strain: f64 = (0..eta.len()).map(strain).sum();
         let sum = |f: &dyn Fn(usize) -> f64| (1..eta.len()).map(f).sum::<f64>();
-        let (total_energy, kinetic_energy) = (sum(&kinetic) + strain, sum(&kinetic));
-        let (input_power, dissipated_power) = (sum(&power), sum(&damped));
+        let (total_energy, kinetic_energy) = (sum(&kinetic) + strain + self.laws.mean_potential(), sum(&kinetic));
+        let (input_power, dissipated_power) = (sum(&power), sum(&damped) + self.laws.dissipated_power());
         let mut eta = eta;
         let stops = eta.iter_mut().map(|eta| eta.split_off(moving)).collect();
         Ok(PeriodicMotion {
@@ -166,7 +176,18 @@ impl PeriodicSystem {
             eta,
             stops,
             forces,
+            reactions,
         })
+    }
+
+    /// `f̄ᵀ (H_ff f + 2 H_fu λ)` of one harmonic.
+    fn between_laws(&self, forces: &[Complex64], reactions: &[Complex64]) -> f64 {
+        let laws = self.structure.laws();
+        let along = |row: &[f64], z: &[Complex64]| row.iter().zip(z).map(|(h, z)| z * *h).sum::<Complex64>();
+        let of = |(l, f): (usize, &Complex64)| {
+            (f.conj() * (along(&laws[l].laws, reactions) + along(&laws[l].contacts, forces) * 2.0)).re
+        };
+        reactions.iter().enumerate().map(of).sum()
     }
 
     /// The point of a conservative branch with the unknowns `x` in the coordinates `(η, u)` of a structure in open
@@ -305,7 +326,7 @@ impl PeriodicSystem {
             mean_force: mean,
             approach: operator.approach(i) * omega,
             peak: match yielded {
-                Some(stop) if peak_force > 0.0 => gap + largest(&stop),
+                Some(stop) if peak_force > 0.0 => gap + largest_value(&stop),
                 _ if peak_force > 0.0 => gap + own * peak_force,
                 _ => gap - closest,
             },
@@ -319,7 +340,7 @@ impl PeriodicSystem {
 const SAMPLES: usize = 64;
 
 /// Largest value of `Re Σ z_n e^{inτ}`: of samples, each with the parabola through it and its neighbours.
-fn largest(z: &[Complex64]) -> f64 {
+pub fn largest_value(z: &[Complex64]) -> f64 {
     let count = SAMPLES * z.len();
     let value = |j: usize| {
         let tau = std::f64::consts::TAU * j as f64 / count as f64;
@@ -350,7 +371,7 @@ mod tests {
                     let z: Vec<Complex64> =
                         std::iter::once(mean.into()).chain(amplitudes.iter().enumerate().map(turned)).collect();
                     let expected = mean + amplitudes.iter().sum::<f64>();
-                    let found = largest(&z);
+                    let found = largest_value(&z);
                     assert!((found - expected).abs() < 1e-6, "{amplitudes:?} {mean} {instant}: {found} of {expected}");
                 }
             }

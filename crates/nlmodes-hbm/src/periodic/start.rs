@@ -26,9 +26,9 @@ pub struct ModalGrazing {
     /// Its amplitude, m: its gap; of a stop that is about to be left, the static motion of its contact by that energy.
     pub length: f64,
     /// Modal coordinates at rest, m, m √kg.
-    mean: Vec<f64>,
+    pub(super) mean: Vec<f64>,
     /// Those of the mode, m, orthonormal.
-    shape: Vec<f64>,
+    pub(super) shape: Vec<f64>,
 }
 
 /// A linear mode about a rest at which some stops are closed, in the coordinates of the open modes.

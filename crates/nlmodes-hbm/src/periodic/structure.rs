@@ -3,6 +3,7 @@ use nlmodes_linalg::{Mat, max_norm};
 use num_complex::Complex64;
 
 use super::damping::ModalDamping;
+use super::law::PlacedLaw;
 use crate::HbmError;
 
 /// A damped structure in open modes, with the static flexibility of what they leave over at the contacts.
@@ -29,6 +30,8 @@ pub struct ModalStructure {
     pub(super) stop_compliance: Vec<f64>,
     pub(super) gaps: Vec<f64>,
     pub(super) damping: ModalDamping,
+    pub(super) laws: Vec<PlacedLaw>,
+    pub(super) law_samples: usize,
 }
 
 /// A displacement as a row of open modes and contact forces, `q = φᵀ η + sᵀ λ + Σ_t a_t`, with what each term of the
@@ -37,7 +40,7 @@ pub struct ModalStructure {
 pub struct ResponseRow {
     /// `φ`, m, 1/√kg.
     pub modes: Vec<f64>,
-    /// `s`, c, m/N: residual flexibility between the contacts and this place.
+    /// `s`, m/N: residual flexibility between the contacts, and the places of laws behind them, and this place.
     pub contacts: Vec<f64>,
     /// Complex amplitude by a unit level of each term of the load, m; empty for none.
     pub loads: Vec<Complex64>,
@@ -91,6 +94,8 @@ impl ModalStructure {
             stop_compliance: stop_compliance.to_vec(),
             gaps,
             damping,
+            laws: Vec::new(),
+            law_samples: 0,
         };
         structure.silence_modes_at_rest();
         Ok(structure)
@@ -169,14 +174,22 @@ impl ModalStructure {
         &self.damping
     }
 
-    /// How strongly a mode takes part in the motion of the contacts, `s_k = max_i y_ik²/A_ii`, rad²/s².
+    /// How strongly a mode takes part in the motion of the contacts and laws, rad²/s²: `s_k = max_i y_ik²/A_ii` of
+    /// contacts, and of laws the same with the whole flexibility at their place.
     pub(crate) fn coupling(&self, k: usize) -> f64 {
         let a = self.compliance.a();
-        max_norm((0..self.n_contacts()).map(|i| self.rows[(i, k)].powi(2) / a[(i, i)]))
+        let contacts = (0..self.n_contacts()).map(|i| self.rows[(i, k)].powi(2) / a[(i, i)]);
+        let laws = self.laws.iter().enumerate().map(|(l, law)| {
+            let elastic = (0..self.n_modes()).filter(|&j| self.omega_squared[j] > 0.0);
+            let modal: f64 = elastic.map(|j| law.modes[j].powi(2) / self.omega_squared[j]).sum();
+            let whole = law.laws[l] + modal;
+            if whole > 0.0 { law.modes[k].powi(2) / whole } else { 0.0 }
+        });
+        max_norm(contacts.chain(laws))
     }
 
-    /// Whether mode k moves a contact.
+    /// Whether mode k moves a contact or the place of a law.
     pub(crate) fn moves_a_contact(&self, k: usize) -> bool {
-        self.rows.col(k).iter().any(|y| *y != 0.0)
+        self.rows.col(k).iter().chain(self.laws.iter().map(|law| &law.modes[k])).any(|y| *y != 0.0)
     }
 }

@@ -2,10 +2,12 @@ use std::sync::Arc;
 
 use nlmodes_contact::LcpSolver;
 use nlmodes_continuation::{Boundary, Linearization, ParametricSystem};
+use num_complex::Complex64;
 
 use super::analyses::Coordinates;
 use super::block::{Asked, HarmonicBlock, LinearResponse, ModalMotion};
 use super::closing_equations::{Functional, Motion};
+use super::law::LawOperator;
 use super::load::Load;
 use super::operating_point::{Closing, Column, OperatingPoint};
 use super::rows::{Assembly, add_weights, complex_harmonic, harmonics_of};
@@ -56,6 +58,9 @@ pub struct PeriodicSystem {
     maps: Vec<Option<Vec<f64>>>,
     pub(crate) y: Vec<f64>,
     pub(crate) forces: Vec<f64>,
+    /// The laws beside the stops, their reactions on the structure, N, and the derivatives of these with respect to ω.
+    pub(super) laws: LawOperator,
+    pub(super) reactions: [Vec<f64>; 2],
     /// What lies below the last digit of each unknown of a refined solution; else empty.
     pub(super) rest: Vec<f64>,
     pub(crate) blocks: Vec<HarmonicBlock>,
@@ -82,8 +87,13 @@ impl PeriodicSystem {
         let response = settings.coordinates.response(&structure, symmetry == Symmetry::Even);
         let (c, d) = (structure.n_contacts(), response.n_coordinates());
         let gap_map = (0..c).flat_map(|i| (0..d).map(move |j| (i, j))).map(|(i, j)| response.gap_row(i, j)).collect();
+        if !(structure.laws().is_empty() || structure.damping().is_diagonal()) {
+            return Err(HbmError::LawsBesideCoupledModes);
+        }
         Ok(Self {
             operator: ContactOperator::new(structure.compliance(), series, settings.switching, solver)?,
+            laws: LawOperator::new(structure.laws(), series, structure.law_samples)?,
+            reactions: Default::default(),
             gap_map,
             maps: Vec::new(),
             y: vec![0.0; c * series.width()],
@@ -185,9 +195,12 @@ impl PeriodicSystem {
         } else {
             self.operator.fine_forces(&self.fine_gaps(x, &moved[3]))
         };
-        let generalised = self.generalised(&self.forces);
+        let mut generalised = self.generalised(&self.forces);
         let unit = self.unit();
         let coefficients: Vec<f64> = x[..self.n_coefficients()].iter().map(|x| x * unit).collect();
+        let first = self.response.first_law() * series.width();
+        self.reactions = self.laws.solve(&coefficients[first..], at.omega);
+        self.add_reactions(0, &mut generalised);
         let asked = Asked {
             energy: self.closing.equations.iter().any(|equation| equation.asks_for_energy()),
             by: self.closing.sources().map(|source| source.slope(p).is_some()),
@@ -257,7 +270,26 @@ impl PeriodicSystem {
         out
     }
 
-    /// `Pᵀ (dλ/dy) P` over a period, kept in the assembly.
+    /// Contact forces of harmonic `n`, and the reactions of laws behind them.
+    pub(super) fn forces_of_harmonic(&self, n: usize) -> Vec<Complex64> {
+        let of = |real: &[f64]| complex_harmonic(self.series(), real, n);
+        let mut forces = of(&self.forces);
+        forces.resize(self.structure.n_contacts(), Complex64::default());
+        forces.extend(of(&self.reactions[0]));
+        forces
+    }
+
+    /// Adds the reactions of laws, or their derivatives, to generalised forces (d × width).
+    fn add_reactions(&self, which: usize, generalised: &mut Vec<f64>) {
+        if self.laws.len() == 0 {
+            return;
+        }
+        generalised.resize(self.n_coefficients(), 0.0);
+        let first = self.response.first_law() * self.series().width();
+        generalised[first..].iter_mut().zip(&self.reactions[which]).for_each(|(to, from)| *to += from);
+    }
+
+    /// `Pᵀ (dλ/dy) P` over a period with the derivatives of laws, kept in the assembly.
     fn differentiate_forces(&mut self) {
         let d = self.response.n_coordinates();
         self.maps.resize(self.operator.sets.len(), None);
@@ -280,13 +312,24 @@ impl PeriodicSystem {
             });
             self.assembly.add_forces(map, spectrum.product(self.operator.series));
         }
+        let first = self.response.first_law();
+        for l in 0..self.laws.len() {
+            let mut map = vec![0.0; d * d];
+            map[(first + l) * (d + 1)] = 1.0;
+            self.assembly.add_forces(&map, &self.laws.derivative(l));
+        }
     }
 }
 
 impl PeriodicSystem {
     /// Derivatives of a closing equation through the motion: with respect to the coefficients, and to ω, ξ and the
     /// level; `forces_by` are those of the forces with respect to the latter through the gaps.
-    fn gradient(&self, functional: &Functional, at: OperatingPoint, forces_by: &[Vec<f64>; 3]) -> (Vec<f64>, [f64; 3]) {
+    fn gradient(
+        &mut self,
+        functional: &Functional,
+        at: OperatingPoint,
+        forces_by: &[Vec<f64>; 3],
+    ) -> (Vec<f64>, [f64; 3]) {
         let (series, d) = (self.series(), self.response.n_coordinates());
         let width = series.width();
         let (mut by_x, mut by_generalised) = (vec![0.0; d * width], vec![0.0; d * width]);
@@ -304,8 +347,11 @@ impl PeriodicSystem {
             add_weights(series, n, &block.kinetic.by_force, functional.by_energy, &mut by_generalised);
             by.iter_mut().zip(block.kinetic.by).for_each(|(by, of)| *by += functional.by_energy * of);
         }
+        let (c, first) = (self.structure.n_contacts(), self.response.first_law() * width);
         for (n, weights) in &functional.forces {
-            add_weights(series, *n, weights, 1.0, &mut by_force);
+            let (of_contacts, of_laws) = weights.split_at(c.min(weights.len()));
+            add_weights(series, *n, of_contacts, 1.0, &mut by_force);
+            add_weights(series, *n, of_laws, 1.0, &mut by_generalised[first..]);
         }
         for (i, by_force) in by_force.chunks_mut(width).enumerate() {
             for (j, from) in by_generalised.chunks(width).enumerate().filter(|(j, _)| self.gap_map[i * d + j] != 0.0) {
@@ -316,6 +362,13 @@ impl PeriodicSystem {
         by.iter_mut().zip(forces_by).for_each(|(by, change)| *by += inner(&by_force, change));
         let by_gap = self.operator.apply_transposed(&by_force);
         by_x.iter_mut().zip(self.generalised(&by_gap)).for_each(|(to, from)| *to += from);
+        by[0] += inner(&by_generalised[first..], &self.reactions[1]);
+        for l in 0..self.laws.len() {
+            let (at, derivative) = (first + l * width, self.laws.derivative(l));
+            for (weight, row) in by_generalised[at..at + width].iter().zip(derivative.chunks(width)) {
+                by_x[at..at + width].iter_mut().zip(row).for_each(|(to, entry)| *to += weight * entry);
+            }
+        }
         (by_x, by)
     }
 }
@@ -344,7 +397,8 @@ impl ParametricSystem for PeriodicSystem {
         let slopes = self.closing.sources().map(|source| source.slope(p).map(|(c, slope)| (column(c), slope)));
         let moved = self.load_gaps(at);
         let forces_by = [0, 1, 2].map(|t| self.operator.apply(&moved[t]));
-        let generalised_by = [0, 1, 2].map(|t| self.generalised(&forces_by[t]));
+        let mut generalised_by = [0, 1, 2].map(|t| self.generalised(&forces_by[t]));
+        self.add_reactions(1, &mut generalised_by[0]);
         for n in 0..self.blocks.len() {
             self.assembly.rows_of(n, &self.blocks[n], unit, &mut out.residual);
             for (t, slope) in slopes.iter().enumerate() {
@@ -359,13 +413,14 @@ impl ParametricSystem for PeriodicSystem {
             x: &x[..size],
             eta: &|n| self.modal_motion(n, at).eta,
             kinetic_energy: self.blocks.iter().map(|block| block.kinetic.value).sum(),
-            forces: &|n| complex_harmonic(self.series(), &self.forces, n),
+            forces: &|n| self.forces_of_harmonic(n),
             load: &self.load,
         };
-        for (k, equation) in self.closing.equations.iter().enumerate() {
-            let functional = equation.evaluate(&motion)?;
+        let functionals = self.closing.equations.iter().map(|equation| equation.evaluate(&motion));
+        let functionals = functionals.collect::<Result<Vec<_>, _>>()?;
+        for (k, functional) in functionals.iter().enumerate() {
             out.residual[size + k] = functional.value;
-            let (entries, by) = self.gradient(&functional, at, &forces_by);
+            let (entries, by) = self.gradient(functional, at, &forces_by);
             for (j, entry) in entries.iter().enumerate() {
                 out.jacobian[(size + k, j)] = entry * unit + functional.x.get(j).copied().unwrap_or(0.0);
             }

@@ -7,6 +7,7 @@ mod face_in_time;
 mod forced_numbers;
 mod invariants;
 mod jacobian;
+mod laws;
 mod one_formulation;
 mod one_sided_spring;
 mod open_modes;

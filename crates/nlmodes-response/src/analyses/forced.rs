@@ -1,6 +1,6 @@
 use nlmodes_contact::{LcpSolver, solver_by_name};
 use nlmodes_continuation::{Bound, ParametricSystem, StopReason};
-use nlmodes_hbm::{HbmError, ModalStructure, PeriodicSystem, Scales};
+use nlmodes_hbm::{HbmError, ModalStructure, PeriodicSystem, Scales, law_length};
 
 use super::doubled::doubled_responses;
 use crate::follow::Curve;
@@ -216,10 +216,11 @@ pub(crate) fn at_level(
     }
 }
 
-/// Lengths near the smallest gap, or the largest where all touch at rest; frequencies near `omega`.
+/// Lengths near the smallest gap, or that at which laws of force matter; frequencies near `omega`.
 pub(crate) fn scales(structure: &ModalStructure, omega: f64) -> Scales {
     let gaps = structure.gaps().iter().map(|g| g.abs()).filter(|g| *g > 0.0);
-    let smallest = gaps.fold(f64::INFINITY, f64::min);
+    let of_laws = if structure.laws().is_empty() { None } else { law_length(structure, 1).ok() };
+    let smallest = gaps.chain(of_laws.filter(|l| *l > 0.0)).fold(f64::INFINITY, f64::min);
     let length = if smallest.is_finite() { smallest } else { 1.0 };
     Scales::new(length, omega, 1.0)
 }

@@ -176,7 +176,8 @@ fn small_level(
         let motion = system.motion(&beside(rest, x, level), level)?;
         let gaps = system.structure().gaps();
         let share = |(c, gap): (&nlmodes_hbm::ContactMotion, &f64)| if c.touches > 0 { 2.0 } else { c.peak / gap };
-        let used = motion.contacts.iter().zip(gaps).map(share).fold(0.0_f64, f64::max);
+        let of_contacts = motion.contacts.iter().zip(gaps).map(share).fold(0.0_f64, f64::max);
+        let used = of_contacts.max(bent(system, x, level));
         if used > 1.0 {
             level *= 0.25;
         } else if used > 0.0 {
@@ -186,6 +187,15 @@ fn small_level(
         }
     }
     Ok(level)
+}
+
+/// Largest displacement of a law in the linear motion, over that at which laws matter.
+fn bent(system: &PeriodicSystem, x: &[f64], level: f64) -> f64 {
+    if system.structure().laws().is_empty() {
+        return 0.0;
+    }
+    // Displacements are in units of that length, see `scales`.
+    level * nlmodes_linalg::max_norm(x.iter().copied())
 }
 
 /// Halvings by which the level is found at which a contact changes its state.

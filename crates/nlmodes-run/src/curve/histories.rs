@@ -51,6 +51,7 @@ impl Reference {
     pub fn curves(&self) -> Vec<Curves<'_>> {
         match self.motions.as_slice() {
             [] => Vec::new(),
+            [only] if only.is_empty() => Vec::new(),
             [only] => {
                 let shown = most_loaded(only, MAX_CURVES);
                 let of = if shown.len() < only.len() {

@@ -1,6 +1,6 @@
 //! From motions in open modes to points of a curve, which tables, figures and page share with other computations.
 
-use nlmodes::hbm::{HbmError, PeriodicMotion, ResponseRow};
+use nlmodes::hbm::{HbmError, PeriodicMotion, ResponseRow, largest_value};
 use nlmodes::modal::{
     BranchEnd, Driven, HarmonicCoefficients, InternalResonance, ModalBranch, ModalPoint, Participation,
 };
@@ -21,6 +21,7 @@ pub struct Converter<'a> {
     kind: ResponseKind,
     subharmonic: usize,
     rows: Vec<ResponseRow>,
+    /// Displacement of the first contact toward its stop or, without one, of the first spring.
     contact: Option<ResponseRow>,
     /// Rows of the displacements within the planes of the contacts.
     tangents: Vec<ResponseRow>,
@@ -45,7 +46,8 @@ impl<'a> Converter<'a> {
         subharmonic: usize,
     ) -> Result<Self, ResponseError> {
         let rows = model.response().rows_of_dofs(&model.recorded)?;
-        let contact = model.response().rows(&model.contacts)?.into_iter().next();
+        let first: Vec<Weights> = model.contacts.iter().chain(&model.springs).take(1).cloned().collect();
+        let contact = model.response().rows(&first)?.into_iter().next();
         let weights: Vec<Weights> = model.tangents.all().map(|tangent| tangent.weights.clone()).collect();
         let tangents = model.response().rows(&weights)?;
         let omega = model.open_modes().omega_squared().iter().map(|square| square.max(0.0).sqrt()).collect();
@@ -82,6 +84,7 @@ impl<'a> Converter<'a> {
             coefficients,
             stability: appropriated.and_then(|found| found.stability).or(point.stability),
             fundamental: self.fundamental(point),
+            peak: self.peak(motion),
             driven: Some(self.driven(point, appropriated)?),
             ..point.modal_point()
         };
@@ -146,6 +149,14 @@ impl<'a> Converter<'a> {
     fn contact_harmonics(&self, motion: &PeriodicMotion) -> Vec<Complex64> {
         let of = |row: &ResponseRow| self.model.response().displacement(row, motion, self.subharmonic);
         self.contact.as_ref().map_or_else(Vec::new, of)
+    }
+
+    /// Largest displacement of the first contact toward its stop from rest, or of the first spring, m.
+    fn peak(&self, motion: &PeriodicMotion) -> f64 {
+        match motion.contacts.first() {
+            Some(contact) => contact.peak,
+            None => largest_value(&self.contact_harmonics(motion)),
+        }
     }
 
     fn first_side(&self) -> f64 {

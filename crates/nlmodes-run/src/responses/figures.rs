@@ -22,7 +22,7 @@ pub fn all(
     (curves, laid): (&[ComputedResponse], &[LaidCurve]),
 ) -> Result<Vec<Named>, Failure> {
     let mut found = Vec::new();
-    for drawn in drawn(model.unit) {
+    for drawn in drawn(model.unit, !model.contacts.is_empty()) {
         let (file, title) = (drawn.file, drawn.title);
         found.extend(drawn.figure(&scene.title, curves, laid)?.map(|figure| (file, title, figure)));
     }
@@ -75,16 +75,22 @@ struct Drawn {
     is_bounded: bool,
 }
 
-/// All figures over the curves of a scene, with the unit of its levels.
-fn drawn(unit: &str) -> [Drawn; 7] {
+/// All figures over the curves of a scene, with the unit of its levels; without stops amplitudes are those of the first
+/// spring with a law of force.
+fn drawn(unit: &str, has_stops: bool) -> [Drawn; 7] {
     let over_frequency: fn(ResponseKind) -> bool = |kind| kind != ResponseKind::Force;
     let amplitude: Value = |point| point.fundamental.abs();
     let frequency = || Quantity::linear("frequency", "Hz");
-    let fundamental = || Quantity::linear("fundamental of the first contact", "m");
+    let titled = |stop: &'static str, spring: &'static str| if has_stops { stop } else { spring };
+    let fundamental =
+        || Quantity::linear(titled("fundamental of the first contact", "fundamental of the first spring"), "m");
     [
         Drawn {
             file: "responses.svg",
-            title: "Amplitude of the first contact over frequency",
+            title: titled(
+                "Amplitude of the first contact over frequency",
+                "Amplitude of the first spring over frequency",
+            ),
             shown: over_frequency,
             axes: [frequency(), fundamental()],
             values: [hertz, amplitude],
@@ -93,7 +99,10 @@ fn drawn(unit: &str) -> [Drawn; 7] {
         },
         Drawn {
             file: "force_response.svg",
-            title: "Amplitude of the first contact over the level",
+            title: titled(
+                "Amplitude of the first contact over the level",
+                "Amplitude of the first spring over the level",
+            ),
             shown: |kind| kind == ResponseKind::Force,
             axes: [Quantity::linear("level", unit), fundamental()],
             values: [level, amplitude],

@@ -1,4 +1,6 @@
-use nlmodes::hbm::HbmError;
+use std::sync::Arc;
+
+use nlmodes::hbm::{HbmError, PowerDamper};
 use nlmodes::linalg::triplets;
 use nlmodes::modal::{BranchEnd, Coordinate, EndReason, ModalBranch};
 use nlmodes::model::MassShift;
@@ -9,6 +11,7 @@ use nlmodes_scene::assemble::{OpenStructure, StaticState, Structures};
 use nlmodes_scene::scene::{Place, Response, ResponseKind, Scene, Side};
 
 use super::damping::damping;
+use super::laws;
 use super::structure::{Reduced, base_motion, reduced};
 use crate::physical::of_dofs;
 use crate::sliding::Tangents;
@@ -27,6 +30,8 @@ pub struct Model {
     pub coordinates: Vec<Coordinate>,
     /// Displacement of each contact toward its stop.
     pub contacts: Vec<Weights>,
+    /// Displacements of the springs with a law of force.
+    pub springs: Vec<Weights>,
     /// Displacements within the planes of the contacts.
     pub tangents: Tangents,
     /// Of each contact, its sign along the coordinate of its node: one for a stop on the positive side.
@@ -74,7 +79,6 @@ impl Model {
         };
         let mut response = ResponseModel::new(parts.open.clone(), &damping(scene, &parts))
             .map_err(|error| failed("contact", &error))?;
-        check_mode(file, &response)?;
         let at = |path: &str, place: &Place| -> Result<Weights, RunError> {
             let weights = parts.weights(place).map_err(|why| file.error_at(path, &why, "here", &[]))?;
             if weights.is_empty() {
@@ -83,14 +87,22 @@ impl Model {
             }
             Ok(weights)
         };
+        let springs = laws::add(file, &mut response, &at)?;
+        check_mode(file, &response)?;
         let omega = parts.open.omega_squared().get(scene.method.mode - 1).map_or(0.0, |w| w.max(0.0).sqrt());
         let mut beyond_modes = Vec::new();
         for (i, dashpot) in scene.damping.iter().flat_map(|d| &d.dashpots).enumerate() {
             let path = format!("damping.dashpot.{i}.at_m");
             let one = Dashpot { at: at(&path, &dashpot.place)?, damping: dashpot.damping };
             let share = response.beyond_modes(&one).map_err(|error| failed(&path, &error))?;
-            beyond_modes.push(omega * share);
-            response.add_dashpots(&[one]).map_err(|error| failed(&path, &error))?;
+            // Beside laws dashpots are laws too, with all of the flexibility at their place.
+            if scene.springs.is_empty() {
+                beyond_modes.push(omega * share);
+                response.add_dashpots(&[one]).map_err(|error| failed(&path, &error))?;
+            } else {
+                let law = PowerDamper { coefficient: one.damping, exponent: 1.0 };
+                response.add_law(&one.at, Arc::new(law), laws::SAMPLES).map_err(|error| failed(&path, &error))?;
+            }
         }
         for (contact, table, damper) in stop_dampers(scene, &parts) {
             let path = format!("contact.{table}.damping_n_s_m");
@@ -120,7 +132,7 @@ impl Model {
             None => "N",
         };
         let contacts = parts.toward_stops();
-        let default = force_places.first().or(contacts.first()).cloned().unwrap_or_default();
+        let default = force_places.first().or(contacts.first()).or(springs.first()).cloned().unwrap_or_default();
         let mut drives = Vec::new();
         for (i, response) in scene.responses.iter().enumerate() {
             drives.push(match &response.drive {
@@ -144,6 +156,7 @@ impl Model {
             sides: sides(scene, &contacts),
             contact_coordinates,
             contacts,
+            springs,
             unit,
             shift: parts.shift,
             warnings: parts.warning.into_iter().chain(give_way(&beyond_modes)).collect(),
@@ -168,7 +181,10 @@ impl Model {
         ModalBranch {
             label: name.to_owned(),
             coordinates: self.coordinates.clone(),
-            contact_coordinate: self.contact_coordinates.first().copied().flatten(),
+            contact_coordinate: match self.contacts.is_empty() {
+                true => self.springs.first().and_then(|weights| coordinate(weights, &self.recorded)),
+                false => self.contact_coordinates.first().copied().flatten(),
+            },
             stop: self.sides.first().zip(self.gaps.first()).map(|(side, gap)| side * gap),
             points: Vec::new(),
             end: BranchEnd::new(EndReason::NoStart, why, false),
@@ -182,10 +198,11 @@ impl Model {
 
     /// Angular frequency of a linear mode (from 1) about rest, rad/s: with the contacts open that are open there.
     pub fn mode_frequency(&self, mode: usize) -> Option<f64> {
-        if self.response.structure().gaps().iter().any(|gap| *gap < 0.0) {
+        let structure = self.response.structure();
+        if !structure.laws().is_empty() || structure.gaps().iter().any(|gap| *gap < 0.0) {
             return self.response.linear_start(mode).ok().map(|start| start.omega);
         }
-        self.response.structure().omega_squared().get(mode.checked_sub(1)?).map(|w| w.max(0.0).sqrt())
+        structure.omega_squared().get(mode.checked_sub(1)?).map(|w| w.max(0.0).sqrt())
     }
 
     /// The reduction.

@@ -28,7 +28,7 @@ pub fn check(
         let path = format!("reduction.{key}");
         if kind == ReductionKind::HeldModes && diagnostics.has(&path) {
             let diagnostic = Diagnostic::warning(format!("`{path}` has no effect"));
-            let diagnostic = match scene.response.as_ref().is_some_and(|responses| !responses.is_empty()) {
+            let diagnostic = match scene.has_responses() {
                 true => diagnostic.help("a response has as many modes as its harmonics reach"),
                 false => diagnostic.help("`method.held_modes` is the number of held modes"),
             };

@@ -30,14 +30,17 @@ pub fn check(
     let damping = raw.damping.as_ref().and_then(|raw| loads::damping(raw, places, diagnostics));
     let forces = loads::forces(raw, places, diagnostics);
     let base_motion = loads::base_motion(raw, places, diagnostics);
-    if let (Some(method), false) = (method, written.is_empty()) {
+    if let (Some(method), true) = (method, raw.has_responses()) {
         of_method(method, diagnostics);
     }
     if written.is_empty() {
         without_effect(raw, diagnostics);
     }
-    let responses: Vec<Response> =
+    let mut responses: Vec<Response> =
         written.iter().enumerate().filter_map(|(i, r)| response(i, r, raw, places, diagnostics)).collect();
+    if written.is_empty() && raw.has_laws() {
+        responses.push(Response::nonlinear_mode());
+    }
     if !responses.is_empty() && responses.iter().all(|response| response.kind.is_forced()) {
         for path in ["continuation.max_energy_ratio", "continuation.frequency_hz"] {
             has_no_effect(

@@ -120,13 +120,14 @@ pub fn diagnostic(key: &str, path: &str, table: Rule<'_>, guess: &Guess) -> Diag
 }
 
 /// Tables that may occur several times.
-const LISTS: [&str; 10] = [
+const LISTS: [&str; 11] = [
     "contact",
     "channel",
     "vary",
     "quantity",
     "force",
     "static_force",
+    "spring",
     "damping.dashpot",
     "structure.mass_point",
     "structure.spring",

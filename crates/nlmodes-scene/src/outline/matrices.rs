@@ -162,6 +162,9 @@ fn left_open(scene: &Scene, open: &OpenStructure, model: &FeModel) -> Vec<Row> {
 }
 
 fn contacts(matrices: &Matrices, model: &FeModel, contacts: &[NodeContact]) -> Vec<Row> {
+    if contacts.is_empty() {
+        return vec![row("contacts", "none".to_owned())];
+    }
     let gaps = || contacts.iter().map(|contact| contact.gap);
     let (low, high) = (gaps().fold(f64::MAX, f64::min), gaps().fold(f64::MIN, f64::max));
     let [low, high] = [low, high].map(short);

@@ -1,6 +1,6 @@
 //! What the scene of a structure would compute.
 
-use super::{Row, law, list, matrices, reduced, responses, row, static_loads};
+use super::{Row, law, list, matrices, reduced, responses, row, springs, static_loads};
 use crate::assemble::{OpenStructure, StaticState};
 use crate::number;
 use crate::rule::counted;
@@ -23,6 +23,7 @@ pub fn rows(scene: &Scene, open: Option<&OpenStructure>, state: Option<&StaticSt
     for (i, contact) in scene.contacts.iter().enumerate() {
         rows.push(row(format!("contact {i}"), stop(contact, bodies.len() > 1)));
     }
+    rows.extend(springs::rows(scene));
     rows.extend(static_loads::rows(scene, state));
     rows.extend(scene.updating.as_ref().map(|updating| row("updating", fitted(updating))));
     rows.extend(open.map(|open| matrices::reduction(scene, open)));

@@ -24,6 +24,11 @@ pub struct Continuation {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 1.0))]
     pub start_energy_ratio: Option<f64>,
+    /// Averaged kinetic energy at which a nonlinear mode of a structure with `[[spring]]` starts; default: where their
+    /// laws hardly change the linear mode, and no stop is touched
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("unit" = "J", "exclusiveMinimum" = 0.0))]
+    pub start_energy_j: Option<f64>,
     /// Which way the branch leaves `start_frequency_hz` or `start_energy_ratio`
     #[serde(default)]
     pub direction: FrequencyDirection,

@@ -136,6 +136,21 @@ pub struct Response {
     pub controlled_harmonics: usize,
 }
 
+impl Response {
+    /// The conservative nonlinear mode.
+    pub fn nonlinear_mode() -> Self {
+        Self {
+            kind: ResponseKind::Mode,
+            frequency_hz: Vec::new(),
+            levels: Vec::new(),
+            drive: None,
+            lag_deg: quarter_turn(),
+            subharmonic: 1,
+            controlled_harmonics: 1,
+        }
+    }
+}
+
 /// A number, or a list of them; a single one is read as a list.
 fn one_or_two_frequencies(_: &mut SchemaGenerator) -> Schema {
     json_schema!({

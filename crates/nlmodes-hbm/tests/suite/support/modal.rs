@@ -4,11 +4,13 @@
 use nlmodes_contact::{LcpSolver, solver_by_name};
 use nlmodes_continuation::{Linearization, ParametricSystem};
 use nlmodes_hbm::{
-    Coordinates, Load, LoadTerm, ModalDamping, ModalStructure, PeriodicSettings, PeriodicSystem, ResponseRow, Switching,
+    Coordinates, ForceLaw, Load, LoadTerm, ModalDamping, ModalStructure, PeriodicSettings, PeriodicSystem, PlacedLaw,
+    ResponseRow, Switching,
 };
 use nlmodes_linalg::{Mat, SparseMatrix, lowest_modes};
 use nlmodes_model::{DofContact, Drop, MasslessContactModel, StructuralModel};
 use num_complex::Complex64;
+use std::sync::Arc;
 
 use super::{dense, solve_dense, stops};
 
@@ -89,6 +91,25 @@ impl Open {
             modal: (0..self.n_modes()).map(|k| amplitude * self.shapes[(dof, k)]).collect(),
             gaps: self.contacts.iter().map(|c| amplitude * (c.direction() * still[c.dof])).collect(),
         }
+    }
+
+    /// Laws at degrees of freedom.
+    pub fn placed(&self, laws: &[(usize, Arc<dyn ForceLaw>)]) -> Vec<PlacedLaw> {
+        let still = |dof: usize| {
+            let mut force = vec![0.0; self.k.len()];
+            force[dof] = 1.0;
+            self.static_answer(&force)
+        };
+        let placed = |(dof, law): &(usize, Arc<dyn ForceLaw>)| {
+            let still = still(*dof);
+            PlacedLaw {
+                law: law.clone(),
+                modes: (0..self.n_modes()).map(|k| self.shapes[(*dof, k)]).collect(),
+                contacts: self.contacts.iter().map(|c| c.direction() * still[c.dof]).collect(),
+                laws: laws.iter().map(|(other, _)| still[*other]).collect(),
+            }
+        };
+        laws.iter().map(placed).collect()
     }
 
     /// Displacement of a degree of freedom; its load is a unit force there in one term, if `driven`.

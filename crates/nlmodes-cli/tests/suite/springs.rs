@@ -1,0 +1,159 @@
+//! Springs and dampers with a law of force from the command line.
+
+use std::collections::HashMap;
+use std::error::Error;
+use std::fs;
+use std::path::Path;
+
+use assert_cmd::Command;
+use tempfile::{TempDir, tempdir};
+
+type Outcome = Result<(), Box<dyn Error>>;
+
+/// Runs a scene in a folder; its table of points, numbers by column.
+fn run(folder: &Path, text: &str) -> Result<Vec<HashMap<String, f64>>, Box<dyn Error>> {
+    fs::write(folder.join("scene.toml"), text)?;
+    let mut call = Command::cargo_bin("nlmodes-cli")?;
+    let output = call.args(["run", "scene.toml", "--out", "out", "--force", "--quiet"]).current_dir(folder).output()?;
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let table = fs::read_to_string(folder.join("out/branch.csv"))?;
+    let mut lines = table.lines();
+    let names: Vec<&str> = lines.next().ok_or("no header")?.split(',').collect();
+    let row = |line: &str| -> HashMap<String, f64> {
+        let cells = names.iter().zip(line.split(','));
+        cells.map(|(name, cell)| ((*name).to_owned(), cell.parse().unwrap_or(f64::NAN))).collect()
+    };
+    Ok(lines.map(row).collect())
+}
+
+/// A cantilever of Euler and Bernoulli of 19 elements, 0.7 m long, 14 mm square, with translation and rotation of each
+/// node, as Matrix Market files.
+fn euler_beam(folder: &Path) -> Outcome {
+    let (n, l) = (19, 0.7_f64 / 19.0);
+    let (bending, mass) = (2.05e11 * 0.014_f64.powi(4) / 12.0, 7800.0 * 0.014 * 0.014);
+    let stiffness = [
+        [12.0, 6.0 * l, -12.0, 6.0 * l],
+        [6.0 * l, 4.0 * l * l, -6.0 * l, 2.0 * l * l],
+        [-12.0, -6.0 * l, 12.0, -6.0 * l],
+        [6.0 * l, 2.0 * l * l, -6.0 * l, 4.0 * l * l],
+    ];
+    let inertia = [
+        [156.0, 22.0 * l, 54.0, -13.0 * l],
+        [22.0 * l, 4.0 * l * l, 13.0 * l, -3.0 * l * l],
+        [54.0, 13.0 * l, 156.0, -22.0 * l],
+        [-13.0 * l, -3.0 * l * l, -22.0 * l, 4.0 * l * l],
+    ];
+    for (file, element, factor) in [("k.mtx", stiffness, bending / l.powi(3)), ("m.mtx", inertia, mass * l / 420.0)] {
+        let mut matrix = vec![vec![0.0; 2 * n]; 2 * n];
+        for e in 0..n {
+            for (i, j) in (0..4).flat_map(|i| (0..4).map(move |j| (i, j))) {
+                if let (Some(row), Some(column)) = ((2 * e + i).checked_sub(2), (2 * e + j).checked_sub(2)) {
+                    matrix[row][column] += factor * element[i][j];
+                }
+            }
+        }
+        let entries: Vec<String> = (0..2 * n)
+            .flat_map(|i| (0..2 * n).map(move |j| (i, j)))
+            .filter(|(i, j)| matrix[*i][*j] != 0.0)
+            .map(|(i, j)| format!("{} {} {:e}\n", i + 1, j + 1, matrix[i][j]))
+            .collect();
+        let header = format!("%%MatrixMarket matrix coordinate real general\n{0} {0} {1}\n", 2 * n, entries.len());
+        fs::write(folder.join(file), header + &entries.concat())?;
+    }
+    let rows = (0..2 * n).map(|i| format!("{i},{},{}\n", i / 2 + 1, if i % 2 == 0 { 3 } else { 5 }));
+    fs::write(folder.join("dofs.csv"), format!("row,node,component\n{}", rows.collect::<String>()))?;
+    Ok(())
+}
+
+const BEAM: &str = "[structure]\nkind = \"matrices\"\nstiffness = \"k.mtx\"\nmass = \"m.mtx\"\ndofs = \"dofs.csv\"\n\
+    units = \"m-kg-s\"\n[method]\nharmonics = 5\n[output]\nfigures = false\npage = false\n";
+
+fn with_law(law: &str, end: &str) -> String {
+    format!(
+        "{BEAM}[[spring]]\nnode = 19\ndirection = [0.0, 0.0, 1.0]\nlaw = {law}\n[continuation]\nmax_energy_ratio = {end}\n"
+    )
+}
+
+fn prepared() -> Result<TempDir, Box<dyn Error>> {
+    let folder = tempdir()?;
+    euler_beam(folder.path())?;
+    Ok(folder)
+}
+
+/// A published benchmark, a cantilever with a cubic spring of 6e9 N/m³ at its tip: linear frequency 23.66147831 Hz; with
+/// five harmonics 23.99502170 Hz at the modal amplitude 1e-4.
+#[test]
+fn a_cantilever_with_a_cubic_spring_has_the_published_frequency() -> Outcome {
+    let folder = prepared()?;
+    let rows = run(folder.path(), &with_law("{ polynomial = [0.0, 0.0, 6e9] }", "1e3"))?;
+    let points: Vec<(f64, f64)> = rows.iter().map(|row| (row["modal_amplitude"], row["frequency_hz"])).collect();
+    let at = points.iter().position(|(a, _)| *a > 1e-4).ok_or("the amplitude is not reached")?;
+    // Lagrange through the six points around.
+    let near = &points[at - 3..at + 3];
+    let weight = |i: usize| -> f64 {
+        let others = (0..6).filter(|j| *j != i);
+        others.map(|j| (1e-4 - near[j].0) / (near[i].0 - near[j].0)).product()
+    };
+    let found: f64 = (0..6).map(|i| weight(i) * near[i].1).sum();
+    assert!((found / 23.995_021_70 - 1.0).abs() < 1e-7, "{found}");
+    Ok(())
+}
+
+/// The same cubic law in three ways, and a linear one in place of a stiffer beam.
+#[test]
+fn laws_that_are_the_same_force_are_the_same_mode() -> Outcome {
+    let folder = prepared()?;
+    let table: String =
+        (-400..=400).map(|i| 5e-6 * f64::from(i)).map(|v| format!("{v},{}\n", 6e9 * v.powi(3))).collect();
+    fs::write(folder.path().join("cubic.csv"), table)?;
+    let last = |law: &str| -> Result<(f64, f64), Box<dyn Error>> {
+        let text = with_law(law, "1e3").replace("[continuation]\n", "[continuation]\nstart_energy_j = 1e-7\n");
+        let rows = run(folder.path(), &text)?;
+        let last = rows.last().ok_or("no points")?;
+        Ok((last["energy_j"], last["frequency_hz"]))
+    };
+    let (energy, cubic) = last("{ polynomial = [0.0, 0.0, 6e9] }")?;
+    assert!((energy / 1e-4 - 1.0).abs() < 1e-9, "{energy}");
+    let (_, power) = last("{ power = { stiffness = 6e9, exponent = 3 } }")?;
+    let (_, table) = last("{ table = \"cubic.csv\" }")?;
+    assert!((power / cubic - 1.0).abs() < 1e-10, "{power} {cubic}");
+    assert!((table / cubic - 1.0).abs() < 1e-6, "{table} {cubic}");
+    assert!(cubic > 24.2, "{cubic}");
+    Ok(())
+}
+
+/// Beside a spring a dashpot is a linear damper, in a damped mode and its damping ratio.
+#[test]
+fn a_dashpot_beside_a_spring_is_a_linear_damper() -> Outcome {
+    let folder = prepared()?;
+    let of = |damping: &str| -> Result<f64, Box<dyn Error>> {
+        let text = with_law("{ polynomial = [100.0, 0.0, 6e9] }", "1e2")
+            + "[[response]]\nkind = \"damped-mode\"\n[damping]\nratio = 0.002\n"
+            + damping;
+        let rows = run(folder.path(), &text)?;
+        Ok(rows.last().ok_or("no points")?["damping_ratio"])
+    };
+    let place = "node = 10\ndirection = [0.0, 0.0, 1.0]\n";
+    let dashpot = of(&format!("[[damping.dashpot]]\n{place}damping_n_s_m = 1.5\n"))?;
+    let damper = of(&format!("[[spring]]\n{place}law = {{ damper = {{ coefficient = 1.5, exponent = 1 }} }}\n"))?;
+    let none = of("")?;
+    assert!((dashpot / damper - 1.0).abs() < 1e-9, "{dashpot} {damper}");
+    assert!(dashpot > none + 1e-4, "{dashpot} {none}");
+    Ok(())
+}
+
+/// A table with a force at rest, and one that is not there, are refused at their key.
+#[test]
+fn a_table_that_is_no_law_is_refused() -> Outcome {
+    let folder = prepared()?;
+    fs::write(folder.path().join("preloaded.csv"), "-1.0,-1.0\n0.0,0.5\n1.0,2.0\n")?;
+    for (file, said) in [("preloaded.csv", "0.5 N at rest"), ("missing.csv", "missing.csv: cannot be read")] {
+        fs::write(folder.path().join("scene.toml"), with_law(&format!("{{ table = \"{file}\" }}"), "2.0"))?;
+        let mut call = Command::cargo_bin("nlmodes-cli")?;
+        let output = call.args(["check", "scene.toml"]).current_dir(folder.path()).output()?;
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(text.contains(said) && text.contains("law = { table"), "{text}");
+    }
+    Ok(())
+}

@@ -1,0 +1,81 @@
+//! Springs and dampers of a scene with a law of force.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use nlmodes::hbm::{Bilinear, Exponential, ForceLaw, Polynomial, PowerDamper, PowerSpring, TableLaw};
+use nlmodes::response::{ResponseModel, Weights};
+use nlmodes_io::{Address, read_numbers};
+use nlmodes_scene::SceneFile;
+use nlmodes_scene::scene::{Place, SpringLaw};
+
+use crate::{RunError, chain};
+
+/// Instants of a period at which laws are evaluated that are no polynomials: with slopes that are continuous, forces
+/// are then right to 1e-7 and better.
+pub const SAMPLES: usize = 1024;
+
+/// Force in a table at rest, over its largest, up to which it is rounding.
+const AT_REST: f64 = 1e-12;
+
+/// Adds the springs of a scene; the displacements that they resist. `at` gives the weights of a place.
+///
+/// # Errors
+/// [`RunError`] at the key that it is about.
+pub fn add(
+    file: &SceneFile,
+    response: &mut ResponseModel,
+    at: &dyn Fn(&str, &Place) -> Result<Weights, RunError>,
+) -> Result<Vec<Weights>, RunError> {
+    let scene = &file.scene;
+    let mut springs = Vec::new();
+    for (i, spring) in scene.springs.iter().enumerate() {
+        let mut weights = at(&format!("spring.{i}.at_m"), &spring.at)?;
+        if let Some(other) = &spring.against {
+            weights.extend(at(&format!("spring.{i}.against.at_m"), other)?.into_iter().map(|(dof, w)| (dof, -w)));
+        }
+        let law = law(file, i, &spring.law)?;
+        response
+            .add_law(&weights, law, SAMPLES)
+            .map_err(|error| file.error_at(&format!("spring.{i}"), &chain(&error), "here", &[]))?;
+        springs.push(weights);
+    }
+    response.set_start_energy(scene.continuation.start_energy_j);
+    Ok(springs)
+}
+
+fn law(file: &SceneFile, i: usize, law: &SpringLaw) -> Result<Arc<dyn ForceLaw>, RunError> {
+    let table = |path: &Path, key: &str, of_velocity: bool| -> Result<Arc<dyn ForceLaw>, RunError> {
+        let key = format!("spring.{i}.law.{key}");
+        let failed = |title: &str| -> RunError {
+            let expected = "expected lines with two numbers each, the first ones growing, through the origin";
+            file.error_at(&key, title, expected, &[]).into()
+        };
+        let numbers = read_numbers(&Address { path: path.to_owned(), name: None }).map_err(|e| failed(&chain(&e)))?;
+        let [rows, 2] = numbers.shape[..] else {
+            return Err(failed(&format!("{}: {} instead of two columns", path.display(), numbers.size())));
+        };
+        let column = |j: usize| (0..rows).map(|i| numbers.values[2 * i + j]).collect::<Vec<f64>>();
+        let largest = column(1).into_iter().fold(0.0_f64, |most, force| most.max(force.abs()));
+        let law = TableLaw::new(column(0), column(1), of_velocity)
+            .map_err(|error| failed(&format!("{}: {}", path.display(), chain(&error))))?;
+        let at_rest = law.at(0.0, 0.0).force;
+        if at_rest.abs() > AT_REST * largest {
+            let title =
+                format!("{}: {} N at rest, where a law has no force", path.display(), nlmodes_scene::short(at_rest));
+            return Err(failed(&title));
+        }
+        Ok(Arc::new(law))
+    };
+    Ok(match law {
+        SpringLaw::Polynomial(coefficients) => Arc::new(Polynomial { coefficients: coefficients.clone() }),
+        SpringLaw::Table(path) => table(path, "table", false)?,
+        SpringLaw::DamperTable(path) => table(path, "damper_table", true)?,
+        &SpringLaw::Power { stiffness, exponent, one_sided } => {
+            Arc::new(PowerSpring { stiffness, exponent, one_sided })
+        }
+        &SpringLaw::Exponential { force, length } => Arc::new(Exponential { force, length }),
+        &SpringLaw::Bilinear { inner, outer, knee } => Arc::new(Bilinear { inner, outer, knee }),
+        &SpringLaw::Damper { coefficient, exponent } => Arc::new(PowerDamper { coefficient, exponent }),
+    })
+}
