@@ -3,6 +3,7 @@
 //! A reader may refuse what it gets; it must not panic, hang, or take memory that the input does not pay for.
 
 pub mod corpus;
+mod models;
 pub mod mutation;
 mod readers;
 mod resumed;
@@ -11,7 +12,7 @@ mod structures;
 pub use readers::{Reader, Scratch, Target, target};
 
 /// Names of all targets.
-pub const TARGETS: [&str; 23] = [
+pub const TARGETS: [&str; 26] = [
     "scene",
     "record-scene",
     "test-scene",
@@ -34,5 +35,8 @@ pub const TARGETS: [&str; 23] = [
     "labels",
     "inp",
     "msh",
+    "bdf",
     "numbers",
+    "model",
+    "reduced",
 ];

@@ -9,7 +9,7 @@ use nlmodes_run::readers;
 use nlmodes_scene as config;
 
 use crate::resumed::Runs;
-use crate::{corpus, structures};
+use crate::{corpus, models, structures};
 
 /// A function of bytes.
 pub type Reader = Box<dyn Fn(&[u8]) + Send + Sync>;
@@ -50,6 +50,11 @@ pub fn target(name: &str, scratch: &Scratch) -> io::Result<Option<Target>> {
             let corpus = runs.steps();
             (runs.steps_reader(), corpus)
         }
+        _ if models::TARGETS.contains(&name) => {
+            let Some(corpus) = models::corpus(name) else { return Ok(None) };
+            let target = name.to_owned();
+            (Box::new(move |bytes: &[u8]| models::read(&target, &directory, bytes)), corpus)
+        }
         _ => match structures::corpus(name) {
             Some(corpus) => {
                 let target = name.to_owned();
@@ -65,6 +70,7 @@ pub fn target(name: &str, scratch: &Scratch) -> io::Result<Option<Target>> {
         "results" => corpus::JSON_WORDS,
         "resumed-run" | "resumed-steps" => corpus::STEP_WORDS,
         name if structures::TARGETS.contains(&name) => structures::WORDS,
+        name if models::TARGETS.contains(&name) => models::WORDS,
         _ => corpus::BINARY_WORDS,
     };
     Ok(Some(Target { read, corpus, words }))

@@ -46,6 +46,13 @@ pub const WORDS: &[&str] = &[
     "*TRANSFORM, NSET=ALL\n",
     "*RIGID BODY, NSET=A, REF NODE=1, ROT NODE=2\n",
     "*ELEMENT, TYPE=S8R\n",
+    "*MATERIAL, NAME=M\n",
+    "*ELASTIC\n",
+    "*ELASTIC, TYPE=ENGINEERING CONSTANTS\n",
+    "*DENSITY\n",
+    "*SOLID SECTION, ELSET=E, MATERIAL=M\n",
+    "*DEPVAR\n",
+    "TYPE=T3D2",
     "99999999999",
     "2147483647",
     "\0",
@@ -80,7 +87,8 @@ const LABELS: [&str; 3] = [
 ];
 const NUMBERS: [&str; 2] = ["# rows\n1.0,-2.5e-3\n3,4D+05\n", "10.0\n20.0 # Hz\n40.0\n"];
 const DECK: &str = "*NODE, NSET=ALL\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT, TYPE=C3D4, \
-    ELSET=E\n1,1,2,3,4\n*NSET,NSET=A,GENERATE\n1,3,2\n*SURFACE,NAME=S\nE,S2\n*BOUNDARY\n1,1,3\n";
+    ELSET=E\n1,1,2,3,4\n*NSET,NSET=A,GENERATE\n1,3,2\n*SURFACE,NAME=S\nE,S2\n*BOUNDARY\n1,1,3\n*MATERIAL, \
+    NAME=M\n*ELASTIC\n2.1e11,0.3\n*DENSITY\n7800.\n*SOLID SECTION,ELSET=E,MATERIAL=M\n";
 const GMSH: [&str; 2] = [
     "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n3 1 \"B\"\n$EndPhysicalNames\n$Entities\n0 0 0 1\n1 0 0 \
      0 1 1 1 1 1 0\n$EndEntities\n$Nodes\n1 4 1 4\n3 1 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 \

@@ -122,6 +122,11 @@ impl Mesh {
         self.index.get(&number).map(|index| *index as usize)
     }
 
+    /// Whether CalculiX makes solids of some of its elements: shells, beams, trusses, plane and axisymmetric ones.
+    pub fn is_expanded(&self) -> bool {
+        !self.expanded.is_empty()
+    }
+
     /// Place of the node of this number.
     pub fn place_of(&self, number: u64) -> Option<[f64; 3]> {
         self.index_of(number).map(|index| self.places[index])

@@ -4,8 +4,9 @@ mod assemble;
 mod expanded;
 mod files;
 mod inner;
-mod ones;
+mod level;
 mod turned;
+mod written;
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -33,8 +34,8 @@ pub struct FeModel {
     pub mesh: Option<Mesh>,
     /// Degrees of freedom that the files or `fixed` hold, which have no row.
     pub fixed: Vec<DofLabel>,
-    /// Those of them that the files hold by ones on both diagonals, with nothing beside them.
-    pub held_by_ones: Vec<DofLabel>,
+    /// Those of them that the files hold by equal values on both diagonals, with nothing beside them.
+    pub held_on_diagonals: Vec<DofLabel>,
     /// Digits with which the entries of stiffness and mass were written, as they show them.
     pub digits: [Digits; 2],
     /// Mass between a row and a degree of freedom of a node that `fixed` holds: row, what is held, kg, kg·m, kg·m².
@@ -45,6 +46,8 @@ pub struct FeModel {
     /// Numbers of nodes that stand for unknowns within elements, which no file names, and the nodes of the deck from
     /// which they come.
     within: BTreeMap<u64, u64>,
+    /// What the files hold, where other unknowns have taken the place of theirs.
+    as_written: Option<written::AsWritten>,
 }
 
 impl FeModel {
@@ -176,10 +179,13 @@ impl FeModel {
         let nodes: Vec<u64> = set.iter().copied().filter(|node| present.contains(node)).collect();
         if nodes.is_empty() {
             let found = format!(
-                "the node set `{name}` of {} nodes, none of them with a row in the matrices: all are fixed, or \
-                 dependent on other nodes (*EQUATION, *MPC, *TIE, nodes of a *RIGID BODY or *COUPLING; the reference \
-                 node of a rigid body or of a *KINEMATIC coupling has rows, that of a *DISTRIBUTING one has none)",
-                set.len()
+                "the node set `{name}` of {}, none with a row of its own in the matrices: fixed, or dependent on \
+                 other nodes (*EQUATION, *MPC, *TIE, nodes of a *RIGID BODY or *COUPLING; the reference node of a \
+                 rigid body or of a *KINEMATIC coupling has rows, that of a *DISTRIBUTING one has none)",
+                match set.len() {
+                    1 => "one node".to_owned(),
+                    n => format!("{n} nodes"),
+                }
             );
             let problem = Problem::Expected { expected: "a set with free nodes".into(), found };
             return Err(ReadError::whole(path, problem));

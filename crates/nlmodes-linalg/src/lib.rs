@@ -9,7 +9,7 @@
 //! | its elimination order, memory and work in advance | `P` | n × n | [`CholeskyPlan`] |
 //! | `K φ = λ M φ`, lowest λ, M symmetric positive semidefinite | λ in rad²/s² | n × n, φ: n × modes | [`lowest_modes`] |
 //! | the same with statics `K x = f`, factored once | `K + sM = L Lᵀ` | n × n | [`Pencil`] |
-//! | what the digits of `K` and `M` leave open of λ | σ_λ in rad²/s² | one a mode | [`Digits`], [`Openness`] |
+//! | what the digits of `K` and `M` leave open of λ | σ_λ in rad²/s² | one a mode | [`Digits`], [`Written`], [`Openness`] |
 //! | `K z = 0` and `M z = 0` | `z` | n × motions | [`CommonMotions`] |
 //! | `A x = μ x`, A dense | μ complex | n × n | [`eigenvalues`] |
 //! | sums, products and parts of sparse matrices | | | [`sparse_from_triplets`], [`multiply`], [`select`] … |
@@ -55,7 +55,7 @@ pub use eigenvalues::eigenvalues;
 pub use error::LinalgError;
 pub use exponential::matrix_exponential;
 pub use faer::Mat;
-pub use modes::{CommonMotions, Modes, Openness, Pencil, lowest_modes};
+pub use modes::{CommonMotions, Modes, Openness, Origin, Pencil, Written, lowest_modes};
 pub use sparse::{
     SparseMatrix, Triplet, add_scaled, asymmetry, bilinear, max_norm, multiply, multiply_many, multiply_transposed,
     select, sparse_from_triplets, triplets,

@@ -1,6 +1,4 @@
-use crate::{
-    Digits, LinalgError, Mat, SparseCholesky, SparseMatrix, add_scaled, asymmetry, max_norm, select, triplets,
-};
+use crate::{LinalgError, Mat, SparseCholesky, SparseMatrix, add_scaled, asymmetry, max_norm, select, triplets};
 
 mod basis;
 mod common;
@@ -10,9 +8,11 @@ mod openness;
 mod operator;
 mod orthonormal;
 mod refine;
+mod written;
 
 pub use common::CommonMotions;
 pub use openness::Openness;
+pub use written::{Origin, Written};
 
 use openness::Known;
 use operator::Operator;
@@ -103,7 +103,7 @@ pub struct Pencil<'a> {
     mass: &'a SparseMatrix,
     shift: f64,
     factor: SparseCholesky,
-    digits: Option<[Digits; 2]>,
+    written: Option<Written>,
 }
 
 impl<'a> Pencil<'a> {
@@ -116,7 +116,7 @@ impl<'a> Pencil<'a> {
         Self::of_checked(stiffness, mass)
     }
 
-    /// The same of matrices whose entries have only these digits, of `K` and of `M`.
+    /// The same of matrices whose entries have only these digits, of `K` and of `M`, or were made of such.
     ///
     /// Where these leave open whether a motion strains anything, as of a structure that floats, it does not matter
     /// whether `K` happens to be positive definite in its last digits: `K + sM` is factored, with the first λ that is
@@ -127,26 +127,27 @@ impl<'a> Pencil<'a> {
     pub fn known_to(
         stiffness: &'a SparseMatrix,
         mass: &'a SparseMatrix,
-        digits: [Digits; 2],
+        written: impl Into<Written>,
     ) -> Result<Self, LinalgError> {
         check(stiffness, mass)?;
-        let known = Known { stiffness, mass, digits };
-        let of = |shift, factor| Self { stiffness, mass, shift, factor, digits: Some(digits) };
+        let written = written.into();
+        let of = |shift, factor| Self { stiffness, mass, shift, factor, written: Some(written.clone()) };
         let held = match SparseCholesky::factor(stiffness, "stiffness matrix") {
-            Ok(factor) => match common::nearly_singular(stiffness, factor, digits[0])? {
+            Ok(factor) => match common::nearly_singular(written.stiffness(stiffness), factor)? {
                 (false, factor) => return Ok(of(0.0, factor)),
                 (true, factor) => Some(factor),
             },
             Err(LinalgError::NotPositiveDefinite { .. }) => None,
             Err(error) => return Err(error),
         };
-        let mut floating = match Self::singular(stiffness, mass, Some(digits)) {
+        let mut floating = match Self::singular(stiffness, mass, Some(&written)) {
             Ok(floating) => floating,
-            Err(error) => return Err(common::refuse(&known)?.unwrap_or(error)),
+            Err(error) => return Err(common::refuse(stiffness, mass, &written)?.unwrap_or(error)),
         };
         let sum = add_scaled(stiffness, floating.shift, mass)?;
-        let (suspect, factor) = common::nearly_singular(&sum, floating.factor, digits[0])?;
-        if suspect && let Some(error) = common::refuse(&known)? {
+        let origin = written.origin_of_sum(floating.shift)?;
+        let (suspect, factor) = common::nearly_singular(written.sum(&sum, origin.as_ref()), floating.factor)?;
+        if suspect && let Some(error) = common::refuse(stiffness, mass, &written)? {
             return Err(error);
         }
         floating.factor = factor;
@@ -158,8 +159,8 @@ impl<'a> Pencil<'a> {
 
     /// What the digits leave open of these modes; nothing where they are not known.
     pub fn openness(&self, modes: &Modes) -> Openness {
-        let of = |digits| Known { stiffness: self.stiffness, mass: self.mass, digits }.openness(modes);
-        self.digits.map_or_else(Openness::default, of)
+        let of = |written| Known::new(self.stiffness, self.mass, written).openness(modes);
+        self.written.as_ref().map_or_else(Openness::default, of)
     }
 
     /// Of the lowest modes, and of one at least that strains something, where there is one.
@@ -209,7 +210,7 @@ impl<'a> Pencil<'a> {
 
     fn of_checked(stiffness: &'a SparseMatrix, mass: &'a SparseMatrix) -> Result<Self, LinalgError> {
         match SparseCholesky::factor(stiffness, "stiffness matrix") {
-            Ok(factor) => Ok(Self { stiffness, mass, shift: 0.0, factor, digits: None }),
+            Ok(factor) => Ok(Self { stiffness, mass, shift: 0.0, factor, written: None }),
             Err(LinalgError::NotPositiveDefinite { .. }) => Self::singular(stiffness, mass, None),
             Err(error) => Err(error),
         }
@@ -219,7 +220,7 @@ impl<'a> Pencil<'a> {
     fn singular(
         stiffness: &'a SparseMatrix,
         mass: &'a SparseMatrix,
-        digits: Option<[Digits; 2]>,
+        written: Option<&Written>,
     ) -> Result<Self, LinalgError> {
         // Rayleigh quotients of unit vectors: λ_1 is not larger than any of them.
         let quotients = (0..mass.nrows()).filter_map(|i| {
@@ -228,7 +229,7 @@ impl<'a> Pencil<'a> {
         });
         let scale = quotients.fold(f64::INFINITY, f64::min);
         let scale = if scale.is_finite() { scale } else { 1.0 };
-        let shifted = |shift| Self::shifted(stiffness, mass, shift, digits);
+        let shifted = |shift| Self::shifted(stiffness, mass, shift, written);
         let mut rough = shifted(1e-6 * scale);
         for size in [1e-4, 1e-2] {
             rough = rough.or_else(|_| shifted(size * scale));
@@ -245,11 +246,11 @@ impl<'a> Pencil<'a> {
         let (mut count, n) = (FEW, self.mass.nrows());
         loop {
             let modes = self.solve(count.min(n))?;
-            let first = match self.digits {
+            let first = match self.written {
                 Some(_) => modes.eigenvalues.get(self.openness(&modes).strainless).copied().filter(|λ| *λ > 0.0),
                 None => modes.eigenvalues.iter().copied().find(|&λ| λ > 1e-6 * self.shift),
             };
-            if first.is_some() || self.digits.is_none() || modes.eigenvalues.len() < count || count >= n {
+            if first.is_some() || self.written.is_none() || modes.eigenvalues.len() < count || count >= n {
                 return Ok(first);
             }
             count *= 2;
@@ -260,11 +261,11 @@ impl<'a> Pencil<'a> {
         stiffness: &'a SparseMatrix,
         mass: &'a SparseMatrix,
         shift: f64,
-        digits: Option<[Digits; 2]>,
+        written: Option<&Written>,
     ) -> Result<Self, LinalgError> {
         let sum = add_scaled(stiffness, shift, mass)?;
         let factor = SparseCholesky::factor(&sum, "shifted stiffness matrix")?;
-        Ok(Self { stiffness, mass, shift, factor, digits })
+        Ok(Self { stiffness, mass, shift, factor, written: written.cloned() })
     }
 
     /// Lowest modes, M-orthonormal, of those degrees of freedom that have mass.

@@ -2,8 +2,8 @@ use std::cell::OnceCell;
 use std::sync::Arc;
 
 use nlmodes_linalg::{
-    CommonMotions, Digits, LinalgError, Mat, Modes, Openness, Pencil, SparseMatrix, multiply_many, multiply_transposed,
-    sparse_from_triplets, symmetric_eigen, triplets,
+    CommonMotions, LinalgError, Mat, Modes, Openness, Pencil, SparseMatrix, Written, multiply_many,
+    multiply_transposed, sparse_from_triplets, symmetric_eigen, triplets,
 };
 use nlmodes_model::{Contact, MasslessContactModel, StructuralModel};
 
@@ -65,8 +65,8 @@ impl OpenModes {
         Self::known_to(mass, stiffness, directions, gaps, stop_compliance, modes, None)
     }
 
-    /// The same of matrices of which only these digits are known, of `M` and of `K`: what they leave open of the modes
-    /// is in [`OpenModes::openness`], and motions that strain nothing as far as they tell have `ω² = 0`.
+    /// The same of matrices of which only what was written is known: what its digits leave open of the modes is in
+    /// [`OpenModes::openness`], and motions that strain nothing as far as they tell have `ω² = 0`.
     ///
     /// # Errors
     /// As [`OpenModes::new`]; [`ReductionError::Hourglass`] if a contact feels a motion that has neither stiffness nor
@@ -78,16 +78,16 @@ impl OpenModes {
         gaps: Vec<f64>,
         stop_compliance: Vec<f64>,
         modes: ModeCount,
-        digits: Option<[Digits; 2]>,
+        written: Option<Written>,
     ) -> Result<Self, ReductionError> {
         let (mass, stiffness) = (mass.into(), stiffness.into());
         check(&stiffness, &directions, &gaps, &stop_compliance)?;
         let (held, mut common) = (OnceCell::new(), None);
-        let mut pencil = pencil(&stiffness, &mass, digits);
-        if let (Some(digits), Err(LinalgError::NeitherStiffnessNorMass { .. })) = (digits, &pencil) {
-            let found = unfelt_motions(&stiffness, &mass, &directions, digits)?;
+        let mut pencil = pencil(&stiffness, &mass, written.as_ref());
+        if let (Some(written), Err(LinalgError::NeitherStiffnessNorMass { .. })) = (&written, &pencil) {
+            let found = unfelt_motions(&stiffness, &mass, &directions, written)?;
             let without = found.held(&stiffness).map_err(factorisation())?;
-            pencil = self::pencil(held.get_or_init(|| without), &mass, Some(digits));
+            pencil = self::pencil(held.get_or_init(|| without), &mass, Some(written));
             common = Some(found);
         }
         let pencil = pencil.map_err(factorisation())?;
@@ -322,9 +322,10 @@ fn factorisation() -> impl FnOnce(LinalgError) -> ReductionError {
 fn pencil<'a>(
     stiffness: &'a SparseMatrix,
     mass: &'a SparseMatrix,
-    digits: Option<[Digits; 2]>,
+    written: Option<&Written>,
 ) -> Result<Pencil<'a>, LinalgError> {
-    digits.map_or_else(|| Pencil::new(stiffness, mass), |digits| Pencil::known_to(stiffness, mass, digits))
+    let known = |written: &Written| Pencil::known_to(stiffness, mass, written.clone());
+    written.map_or_else(|| Pencil::new(stiffness, mass), known)
 }
 
 /// Motions with neither stiffness nor mass, which no contact may feel.
@@ -332,9 +333,9 @@ fn unfelt_motions(
     stiffness: &SparseMatrix,
     mass: &SparseMatrix,
     directions: &SparseMatrix,
-    digits: [Digits; 2],
+    written: &Written,
 ) -> Result<CommonMotions, ReductionError> {
-    let found = CommonMotions::of(stiffness, mass, digits).map_err(factorisation())?;
+    let found = CommonMotions::of(stiffness, mass, written).map_err(factorisation())?;
     match found.felt_by(directions) {
         Some(contact) => Err(ReductionError::Hourglass { contact, motions: found.len() }),
         None => Ok(found),

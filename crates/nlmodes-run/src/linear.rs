@@ -86,14 +86,17 @@ pub fn without_contacts(scene: &Scene) -> Result<Option<LinearFrequencies>, Stru
 }
 
 impl LinearFrequencies {
-    /// Gives the motions that strain nothing the frequency zero, and says what they are and what the digits of the
-    /// files leave open of the others.
+    /// Gives the motions that strain nothing the frequency zero, also with the contacts held where no contact feels
+    /// them, and says what they are and what the digits of the files leave open of the others.
     pub(crate) fn mark(&mut self, modes: &OpenModes, strainless: &Strainless) {
         let of_each = (1..=self.mass_kept.len()).map(|mode| modes.left_open(mode));
         self.left_open = of_each.collect();
         if self.left_open.iter().flatten().all(|share| *share <= SETTLED) {
             self.left_open.clear();
         }
+        // The reduced structure has these on a frequency far below all others.
+        let unfelt = if strainless.count() > 0 { modes.rigid_motions().map_or(0, |(_, unfelt)| unfelt) } else { 0 };
+        self.contacts_held.iter_mut().flatten().take(unfelt).for_each(|hz| *hz = 0.0);
         let names = std::iter::repeat_n("rigid body", strainless.rigid);
         let names = names.chain(std::iter::repeat_n("mechanism", strainless.mechanisms));
         for (k, name) in names.enumerate().take(self.mass_kept.len()) {

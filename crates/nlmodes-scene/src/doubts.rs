@@ -1,6 +1,7 @@
 //! What looks wrong in the files of a structure and in its contacts, once they are read: nothing that stands in the way
 //! of a computation.
 
+mod alone;
 mod amplitude;
 mod base;
 mod digits;
@@ -32,9 +33,10 @@ pub fn of(scene: &Scene, open: &OpenStructure) -> Vec<String> {
     // With other units all distances are others.
     let distances = if scale.is_some() { Vec::new() } else { distances::doubts(&subject) };
     let mode = if scale.is_some() { None } else { amplitude::doubt(scene, open, &subject) };
+    let mesh = mesh.into_iter().chain(alone::doubt(&subject));
     let contacts = normals::doubts(&subject).into_iter().chain(distances);
     let modes = mode.into_iter().chain(digits::doubt(scene, open, model)).chain(modes::doubts(scene, open));
-    mesh.into_iter().chain(scale).chain(contacts).chain(modes).chain(base::doubt(scene, &subject)).collect()
+    mesh.chain(scale).chain(contacts).chain(modes).chain(base::doubt(scene, &subject)).collect()
 }
 
 /// What is looked at.

@@ -4,7 +4,7 @@ use super::{FeFiles, FeModel, NodeChoice, expanded, turned};
 use crate::error::{Problem, ReadError, Result};
 use crate::formats::{Format, MatrixData, read_matrix};
 use crate::labels::{Component, DofLabel, LabelTable};
-use crate::lower::{LowerTriangle, Motion};
+use crate::lower::LowerTriangle;
 use crate::mesh::Mesh;
 
 pub(super) fn read(files: &FeFiles) -> Result<FeModel> {
@@ -45,10 +45,13 @@ pub(super) fn read(files: &FeFiles) -> Result<FeModel> {
     if let Some(mesh) = mesh.as_ref().filter(|_| of_stiffness == Format::Calculix) {
         model.name_rotations(mesh);
     }
+    if let Some(own) = &mut model.as_written {
+        own.scale(&model.labels, &files.units);
+    }
     model.rows = rows_of(&model.labels);
     model.mesh = mesh;
     hold(&mut model, files)?;
-    model.leave_out_ones();
+    model.leave_out_level();
     into_si(&mut model, files);
     check_diagonal(&model, files)?;
     check_exchanged(&model, files)?;
@@ -59,14 +62,21 @@ impl FeModel {
     fn new(stiffness: MatrixData, mass: LowerTriangle, labels: Vec<DofLabel>, places: HashMap<u64, [f64; 3]>) -> Self {
         let (stiffness, fixed) = (stiffness.lower, stiffness.fixed);
         let (fixed_mass, rows, within) = (Vec::new(), HashMap::new(), BTreeMap::new());
-        let (digits, held_by_ones) = ([&stiffness, &mass].map(LowerTriangle::digits), Vec::new());
-        Self { stiffness, mass, labels, mesh: None, fixed, held_by_ones, digits, fixed_mass, places, rows, within }
-    }
-
-    /// Takes other unknowns, of which `motion` makes the present ones.
-    fn take_unknowns(&mut self, motion: &Motion) {
-        self.stiffness = self.stiffness.congruent(motion);
-        self.mass = self.mass.congruent(motion);
+        let digits = [&stiffness, &mass].map(LowerTriangle::digits);
+        Self {
+            stiffness,
+            mass,
+            labels,
+            mesh: None,
+            fixed,
+            held_on_diagonals: Vec::new(),
+            digits,
+            fixed_mass,
+            places,
+            rows,
+            within,
+            as_written: None,
+        }
     }
 }
 
@@ -176,8 +186,7 @@ fn hold(model: &mut FeModel, files: &FeFiles) -> Result<()> {
         _ => None,
     });
     model.fixed_mass = across.collect();
-    model.stiffness = model.stiffness.placed(&to, free);
-    model.mass = model.mass.placed(&to, free);
+    model.keep_rows(&to, free);
     let (held, labels): (Vec<_>, Vec<_>) = model.labels.iter().copied().partition(|label| nodes.contains(&label.node));
     (model.rows, model.labels) = (rows_of(&labels), labels);
     model.fixed.extend(held);

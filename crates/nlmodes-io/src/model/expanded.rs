@@ -73,8 +73,8 @@ pub(super) fn means(files: &FeFiles, table: &LabelTable, mesh: Option<&Mesh>) ->
     Ok((!means.within.is_empty()).then_some(means))
 }
 
-/// `knot` says that the first row may be that of the node itself, on which those that come of it depend: where beams or
-/// shells meet at an angle or have an offset.
+/// `knot` says that the first row may be that of the node itself, on which those that come of it depend: hinges, and where
+/// beams or shells meet at an angle or have an offset.
 fn role(expanded: Option<Expanded>, component: Component, rows: usize, knot: bool) -> Option<Role> {
     match (expanded, rows) {
         (None, 1) => Some(Role::Own),
@@ -83,6 +83,8 @@ fn role(expanded: Option<Expanded>, component: Component, rows: usize, knot: boo
         (Some(Expanded::InPlane), 1) if component != Component::Z => Some(Role::Own),
         (Some(Expanded::Copies(copies)), _) if copies == rows => Some(Role::Mean),
         (Some(Expanded::Hinge(others)), _) if others + 1 == rows => Some(Role::First),
+        // A bar that cannot turn about itself has one of its nodes depend on the others in one direction more.
+        (Some(Expanded::Hinge(others)), 2..) if knot && rows <= others => Some(Role::First),
         _ => Some(Role::Within),
     }
 }

@@ -95,6 +95,27 @@ fn degrees_of_freedom_that_abaqus_holds_are_left_out() {
     same(&read, &stiffness(), 0.0);
 }
 
+/// Both triangles, of which one has an entry more: rounding where the other has a zero is taken, and what is lost is
+/// named as that.
+#[test]
+fn both_triangles_of_abaqus_may_differ_by_rounding_and_not_by_more() {
+    let directory = tempfile::tempdir().unwrap();
+    let upper: Vec<_> = stiffness().into_iter().filter(|e| e.0 != e.1).map(|(i, j, v)| (j, i, v)).collect();
+    let file = |name: &str, upper: &[Entry], more: &str| {
+        let path = directory.path().join(name);
+        fs::write(&path, writers::abaqus(&stiffness(), false) + &writers::abaqus(upper, false) + more).unwrap();
+        read(&path, None, None)
+    };
+    let [(node, direction), (of, along)] = [label(N - 1), label(0)];
+    let rounding = format!("{node},{direction}, {of},{along}, 1e-13\n");
+    let both = file("both.mtx", &upper, &rounding).unwrap();
+    let mut entries: Vec<Entry> = stiffness().into_iter().chain([(N - 1, 0, 1e-13)]).collect();
+    entries.sort_by_key(|entry| (entry.1, entry.0));
+    same(&both, &entries, 0.0);
+    let refused = file("lost.mtx", &upper[1..], "").unwrap_err().to_string();
+    assert!(refused.contains("expected a symmetric matrix, both triangles stored"), "{refused}");
+}
+
 #[test]
 fn all_tables_of_labels_name_the_same_rows() {
     let directory = tempfile::tempdir().unwrap();

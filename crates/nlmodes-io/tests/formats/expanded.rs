@@ -118,7 +118,9 @@ fn quadratic_shells_and_beams_have_as_many_nodes_as_calculix_makes_of_them() {
             let (node, direction) = label.split_once('.').unwrap();
             let component = Component::from_name(direction).unwrap();
             let moves = model.row_of(node.parse().unwrap(), component).is_some();
-            assert_eq!(moves, count == copies, "{kind}, {count} rows of {label}");
+            // Of the nodes around a hinge some may depend on others, the hinge itself comes first.
+            let hinge = kind.starts_with(['T', 'M']);
+            assert_eq!(moves, count == copies || (hinge && count < copies), "{kind}, {count} rows of {label}");
         }
     }
 }

@@ -137,7 +137,7 @@ fn nodes_that_the_files_leave_free_are_held_by_number_and_by_set() {
     for (choice, says) in [
         (NodeChoice::Node(7), "found node 7, which is to be held and has none; expected nodes with rows"),
         (NodeChoice::Set("TOP".into()), "there is no node set `TOP`; expected one of `CLAMP`, `NONE`"),
-        (NodeChoice::Set("NONE".into()), "found the node set `NONE` of 0 nodes, none of them with a row"),
+        (NodeChoice::Set("NONE".into()), "found the node set `NONE` of 0 nodes, none with a row of its own"),
     ] {
         files.fixed = vec![choice];
         let message = FeModel::read(&files).unwrap_err().to_string();
@@ -145,9 +145,9 @@ fn nodes_that_the_files_leave_free_are_held_by_number_and_by_set() {
     }
 }
 
-/// What some programs leave in the place of a row that they take out: a one on both diagonals and nothing beside it.
+/// What some programs leave in the place of a row that they take out: one value on both diagonals and nothing beside it.
 #[test]
-fn rows_with_ones_on_both_diagonals_are_held() {
+fn rows_with_equal_values_on_both_diagonals_are_held() {
     let directory = tempfile::tempdir().unwrap();
     let file = |name: &str, text: &str| written(directory.path(), name, text);
     let banner = "%%MatrixMarket matrix coordinate real symmetric\n";
@@ -159,10 +159,15 @@ fn rows_with_ones_on_both_diagonals_are_held() {
         FeModel::read(&files).unwrap()
     };
     let beside = "4 4 5\n1 1 1\n2 2 7.5\n3 2 -2.5\n3 3 2.5\n4 4 1\n";
-    for units in ["m-kg-s", "mm-t-s"] {
-        let held = model(beside, "4 4 4\n1 1 1\n2 2 3\n3 3 0.5\n4 4 1\n", units);
+    for (units, a, b) in [("m-kg-s", "1", "1"), ("mm-t-s", "1", "1"), ("m-kg-s", "1e6", "1e6"), ("mm-t-s", "3.7", "55")]
+    {
+        let (k, m) = (
+            format!("4 4 5\n1 1 {a}\n2 2 7.5\n3 2 -2.5\n3 3 2.5\n4 4 {b}\n"),
+            format!("4 4 4\n1 1 {a}\n2 2 3\n3 3 0.5\n4 4 {b}\n"),
+        );
+        let held = model(&k, &m, units);
         let nodes = |labels: &[nlmodes_io::DofLabel]| labels.iter().map(|label| label.node).collect::<Vec<_>>();
-        assert_eq!((nodes(&held.labels), nodes(&held.held_by_ones)), (vec![2, 3], vec![1, 4]));
+        assert_eq!((nodes(&held.labels), nodes(&held.held_on_diagonals)), (vec![2, 3], vec![1, 4]));
         assert_eq!((held.fixed.len(), held.row_of(3, Component::X), held.row_of(4, Component::X)), (2, Some(1), None));
         assert_eq!(held.stiffness.get(1, 0) / held.stiffness.get(0, 0), -1.0 / 3.0);
         assert_eq!(held.is_held(1, Component::X), Some(true));
@@ -171,6 +176,13 @@ fn rows_with_ones_on_both_diagonals_are_held() {
         let alone = "4 4 4\n1 1 1\n2 2 7.5\n3 3 2.5\n4 4 1\n";
         assert_eq!(model(alone, "4 4 4\n1 1 1\n2 2 3\n3 3 0.5\n4 4 1\n", units).n_dofs(), 4);
     }
+    // A large value on both diagonals, beside which the entries of the row are left but do not count.
+    let large = "4 4 6\n1 1 1e30\n2 1 -4e6\n2 2 7.5e6\n3 2 -2.5e6\n3 3 2.5e6\n4 4 3\n";
+    let held = model(large, "4 4 5\n1 1 1e30\n2 1 0.5\n2 2 3\n3 3 0.5\n4 4 3.1\n", "m-kg-s");
+    assert_eq!((held.n_dofs(), held.row_of(1, Component::X), held.row_of(2, Component::X)), (3, None, Some(0)));
+    // One that is not so large leaves them: the rows feel each other.
+    let coupled = "4 4 6\n1 1 1e15\n2 1 -4e6\n2 2 7.5e6\n3 2 -2.5e6\n3 3 2.5e6\n4 4 3\n";
+    assert_eq!(model(coupled, "4 4 4\n1 1 1e15\n2 2 3\n3 3 0.5\n4 4 3.1\n", "m-kg-s").n_dofs(), 4);
 }
 
 /// Takes a mass of a millionth of the stiffness for the stiffness, and the other way round.

@@ -1,10 +1,9 @@
 //! Motions that neither of the two matrices feels.
 
 use super::openness::Known;
+use super::written::{Entries, Written};
 use super::{FEW, Modes, Pencil, diagonal};
-use crate::{
-    Digits, LinalgError, Mat, SparseCholesky, SparseMatrix, add_scaled, multiply_transposed, sparse_from_triplets,
-};
+use crate::{LinalgError, Mat, SparseCholesky, SparseMatrix, add_scaled, multiply_transposed, sparse_from_triplets};
 
 /// Shares of the diagonal that make a matrix definite which rounding has left without that, the smallest first.
 const LIFTS: [f64; 5] = [1e-12, 1e-10, 1e-8, 1e-6, 1e-4];
@@ -28,18 +27,18 @@ pub struct CommonMotions {
 }
 
 impl CommonMotions {
-    /// Those of the pencil of `stiffness` and `mass`, with these digits.
+    /// Those of the pencil of `stiffness` and `mass`, as far as what was written tells.
     ///
     /// `K + sM` with an `s` that weighs both, over its own diagonal, has them as eigenvectors with eigenvalues that are
     /// not told from zero.
     ///
     /// # Errors
     /// As [`Pencil::new`].
-    pub fn of(stiffness: &SparseMatrix, mass: &SparseMatrix, digits: [Digits; 2]) -> Result<Self, LinalgError> {
-        let known = Known { stiffness, mass, digits };
-        let sum = add_scaled(stiffness, known.mean_shift(), mass)?;
+    pub fn of(stiffness: &SparseMatrix, mass: &SparseMatrix, written: &Written) -> Result<Self, LinalgError> {
+        let shift = Known::new(stiffness, mass, written).mean_shift();
+        let (sum, origin) = (add_scaled(stiffness, shift, mass)?, written.origin_of_sum(shift)?);
         let weight = diagonal_of(&sum)?;
-        let shapes = null_space(&sum, &weight, digits[0])?;
+        let shapes = null_space(written.sum(&sum, origin.as_ref()), &weight)?;
         let weight: Vec<f64> = (0..sum.nrows()).map(|i| diagonal(&weight, i)).collect();
         Ok(Self { rows: rows(&shapes, &weight), shapes, weight })
     }
@@ -81,27 +80,28 @@ impl CommonMotions {
 }
 
 /// That there are such motions, if there are.
-pub(super) fn refuse(known: &Known<'_>) -> Result<Option<LinalgError>, LinalgError> {
-    let motions = CommonMotions::of(known.stiffness, known.mass, known.digits)?.len();
+pub(super) fn refuse(
+    stiffness: &SparseMatrix,
+    mass: &SparseMatrix,
+    written: &Written,
+) -> Result<Option<LinalgError>, LinalgError> {
+    let motions = CommonMotions::of(stiffness, mass, written)?.len();
     Ok((motions > 0).then_some(LinalgError::NeitherStiffnessNorMass { motions }))
 }
 
 /// Whether a matrix with this factor may be singular but for its last digits; the factor comes back.
-pub(super) fn nearly_singular(
-    a: &SparseMatrix,
-    factor: SparseCholesky,
-    digits: Digits,
-) -> Result<(bool, SparseCholesky), LinalgError> {
-    let weight = diagonal_of(a)?;
-    let pencil = Pencil { stiffness: a, mass: &weight, shift: 0.0, factor, digits: None };
-    let known = Known { stiffness: a, mass: &weight, digits: [digits, Digits::DOUBLE] };
+pub(super) fn nearly_singular(a: Entries<'_>, factor: SparseCholesky) -> Result<(bool, SparseCholesky), LinalgError> {
+    let weight = diagonal_of(a.matrix)?;
+    let pencil = Pencil { stiffness: a.matrix, mass: &weight, shift: 0.0, factor, written: None };
+    let known = Known { stiffness: a, mass: Entries::exact(&weight) };
     // Where the iteration does not end, nothing stands out that could vanish.
     let suspect = pencil.solve(1).is_ok_and(|lowest| !lowest.eigenvalues.is_empty() && known.is_suspect(&lowest, 0));
     Ok((suspect, pencil.into_factor()))
 }
 
 /// Vectors with `A z = 0`, as far as the digits tell, orthonormal by `weight`.
-fn null_space(a: &SparseMatrix, weight: &SparseMatrix, digits: Digits) -> Result<Mat<f64>, LinalgError> {
+fn null_space(entries: Entries<'_>, weight: &SparseMatrix) -> Result<Mat<f64>, LinalgError> {
+    let a = entries.matrix;
     let (mut lifted, mut lift) = (add_scaled(a, LIFTS[0], weight)?, LIFTS[0]);
     let mut factor = SparseCholesky::factor(&lifted, "weighted stiffness matrix");
     for next in LIFTS.into_iter().skip(1) {
@@ -110,8 +110,8 @@ fn null_space(a: &SparseMatrix, weight: &SparseMatrix, digits: Digits) -> Result
             factor = SparseCholesky::factor(&lifted, "weighted stiffness matrix");
         }
     }
-    let pencil = Pencil { stiffness: &lifted, mass: weight, shift: 0.0, factor: factor?, digits: None };
-    let known = Known { stiffness: a, mass: weight, digits: [digits, Digits::DOUBLE] };
+    let pencil = Pencil { stiffness: &lifted, mass: weight, shift: 0.0, factor: factor?, written: None };
+    let known = Known { stiffness: entries, mass: Entries::exact(weight) };
     let mut count = FEW;
     loop {
         let lifted = pencil.solve(count.min(a.nrows()))?;

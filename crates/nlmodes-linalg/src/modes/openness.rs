@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use faer::ColRef;
 
+use super::written::{Entries, Written};
 use super::{Modes, diagonal};
 use crate::{Digits, Mat, SparseMatrix};
 
@@ -18,7 +19,8 @@ pub struct Openness {
     /// ```
     ///
     /// The inner sums are over the entries with one value `v`, as meshes of equal elements have many: these are cut off
-    /// alike. In matrices of more than eight million entries each counts by itself.
+    /// alike. In matrices of more than eight million entries each counts by itself. Where the matrices were made of
+    /// others ([`Written::origin`]), entries and motions are those of these.
     pub deviations: Vec<f64>,
     /// The largest eigenvalue that a strainless mode might have unnoticed, rad²/s²; zero where there is none. It may be
     /// lost among deviations, or in springs to the ground of less than half a unit `u` of the last digit of the
@@ -60,12 +62,16 @@ const ALIKE: usize = 1 << 23;
 /// A pencil whose entries have these digits.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Known<'a> {
-    pub stiffness: &'a SparseMatrix,
-    pub mass: &'a SparseMatrix,
-    pub digits: [Digits; 2],
+    pub stiffness: Entries<'a>,
+    pub mass: Entries<'a>,
 }
 
-impl Known<'_> {
+impl<'a> Known<'a> {
+    /// `K` and `M`, written as this says.
+    pub fn new(stiffness: &'a SparseMatrix, mass: &'a SparseMatrix, written: &'a Written) -> Self {
+        Self { stiffness: written.stiffness(stiffness), mass: written.mass(mass) }
+    }
+
     /// Of modes in ascending order.
     pub fn openness(&self, modes: &Modes) -> Openness {
         let sums = self.sums(&modes.vectors);
@@ -75,8 +81,9 @@ impl Known<'_> {
         let deviations: Vec<f64> = (0..modes.eigenvalues.len()).map(deviation).collect();
         let strainless = self.strainless(modes, &deviations, value);
         let limit = |k: usize| if value(k).abs() <= UNCERTAIN * deviations[k] { UNCERTAIN } else { self.suspect() };
-        let last = |i: usize| HALF_UNIT * self.digits[0].deviation(diagonal(self.stiffness, i));
-        let shape = |k: usize| modes.vectors.col(k).iter().enumerate();
+        let (written, moved) = (self.stiffness.written(), self.stiffness.moved(&modes.vectors));
+        let last = |i: usize| HALF_UNIT * self.stiffness.digits.deviation(diagonal(written, i));
+        let shape = |k: usize| moved.col(k).iter().enumerate();
         let lost = |k: usize| shape(k).map(|(i, φ)| last(i) * φ * φ).sum::<f64>();
         let unseen = (0..strainless).map(|k| lost(k).max(limit(k) * deviations[k])).fold(0.0, f64::max);
         Openness { deviations, strainless, unseen }
@@ -84,7 +91,7 @@ impl Known<'_> {
 
     /// Deviations up to which an eigenvalue may be that of a motion that strains nothing.
     fn suspect(&self) -> f64 {
-        if matches!(self.digits[0], Digits::Decimal(_)) { SUSPECT_DECIMAL } else { SUSPECT }
+        if matches!(self.stiffness.digits, Digits::Decimal(_)) { SUSPECT_DECIMAL } else { SUSPECT }
     }
 
     /// Whether this may be a motion that strains nothing.
@@ -96,10 +103,10 @@ impl Known<'_> {
 
     fn strainless(&self, modes: &Modes, deviations: &[f64], value: impl Fn(usize) -> f64) -> usize {
         let count = deviations.len();
+        let moved = self.stiffness.moved(&modes.vectors);
         let uncertain = (0..count).take_while(|&k| value(k).abs() <= UNCERTAIN * deviations[k]).count();
-        let suspect = |k: &usize| {
-            value(*k).abs() <= self.suspect() * deviations[*k] && self.imbalance(modes.vectors.col(*k)) <= BALANCED
-        };
+        let suspect =
+            |k: &usize| value(*k).abs() <= self.suspect() * deviations[*k] && self.imbalance(moved.col(*k)) <= BALANCED;
         let all = uncertain + (uncertain..count).take_while(suspect).count();
         let apart = |k: usize| k < count && value(k) >= GAP * value(k - 1).abs();
         if all > uncertain && apart(all) { all } else { uncertain }
@@ -107,15 +114,15 @@ impl Known<'_> {
 
     /// Of each column the energy, and what the digits leave open of it.
     fn sums(&self, shapes: &Mat<f64>) -> Vec<Sums> {
-        let of_stiffness = forms(self.stiffness, shapes, self.digits[0]);
-        let of_mass = forms(self.mass, shapes, self.digits[1]);
+        let of = |a: &Entries<'_>| forms(a.written(), &a.moved(shapes), a.digits);
+        let (of_stiffness, of_mass) = (of(&self.stiffness), of(&self.mass));
         let both = of_stiffness.into_iter().zip(of_mass);
         both.map(|((energy, stiffness), (_, mass))| Sums { energy, stiffness, mass }).collect()
     }
 
-    /// The largest force of a motion, in deviations of the row.
+    /// The largest force of a motion of the written rows, in deviations of the row.
     fn imbalance(&self, shape: ColRef<'_, f64>) -> f64 {
-        let (k, digits) = (self.stiffness, self.digits[0]);
+        let (k, digits) = (self.stiffness.written(), self.stiffness.digits);
         let mut rows = vec![(0.0_f64, 0.0_f64); k.nrows()];
         for j in 0..k.ncols() {
             for (&i, &value) in k.symbolic().row_idx_of_col_raw(j).iter().zip(k.val_of_col(j)) {
@@ -129,7 +136,7 @@ impl Known<'_> {
     /// The mean of `K_ii` over that of `M_ii`: with this shift both count.
     pub fn mean_shift(&self) -> f64 {
         let sum = |a: &SparseMatrix| (0..a.nrows()).map(|i| diagonal(a, i).max(0.0)).sum::<f64>();
-        let shift = sum(self.stiffness) / sum(self.mass);
+        let shift = sum(self.stiffness.matrix) / sum(self.mass.matrix);
         if shift.is_finite() && shift > 0.0 { shift } else { 1.0 }
     }
 }

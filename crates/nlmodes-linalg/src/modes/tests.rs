@@ -1,7 +1,9 @@
+use std::sync::Arc;
+
 use faer::MatRef;
 
 use super::*;
-use crate::{bilinear, multiply, sparse_from_triplets};
+use crate::{Digits, bilinear, multiply, sparse_from_triplets};
 
 /// Column `j` as a slice.
 fn column(a: MatRef<'_, f64>, j: usize) -> &[f64] {
@@ -348,7 +350,7 @@ fn motions_with_neither_stiffness_nor_mass_are_found_and_held() {
         let digits = [Digits::Decimal(14); 2];
         let refused = Pencil::known_to(&k, &m, digits).map(|pencil| pencil.shift());
         assert_eq!(refused, Err(LinalgError::NeitherStiffnessNorMass { motions: 1 }));
-        let common = CommonMotions::of(&k, &m, digits).unwrap();
+        let common = CommonMotions::of(&k, &m, &digits.into()).unwrap();
         assert_eq!(common.len(), 1);
         assert!((common.shapes[(0, 0)] * 0.3 / (common.shapes[(1, 0)] * 0.7) + 1.0).abs() < 1e-6);
         let held = common.held(&k).unwrap();
@@ -441,6 +443,60 @@ fn no_mode_of_a_multiple_eigenvalue_is_missed() {
             assert_eq!(found.len(), count);
             let off = |(λ, exact): (&f64, &f64)| (λ - exact).abs() > 1e-8 * exact + 1e-6 * shift;
             assert!(!found.iter().zip(&exact).any(off), "{count} modes: {found:?}");
+        }
+    }
+}
+
+/// A free bar of pairs of points on stiff springs, written point by point to 14 digits: of the means and differences of
+/// the pairs, the means are small differences of large entries. What is written tells that the bar floats, and how far
+/// its other modes are known.
+#[test]
+fn digits_are_those_of_what_was_written() {
+    for n in [12, 45, 80] {
+        let (narrow, light) = bar(n - 1, 1.0 / 3.0, false);
+        let stiff = |i: usize| 1e6 * (1.0 + 0.3 * (1.9 * i as f64).sin());
+        let half = triplets(&narrow).flat_map(|(i, j, v)| {
+            let points = move |a: usize| [2 * a, 2 * a + 1];
+            points(i).into_iter().flat_map(move |p| points(j).into_iter().map(move |q| (p, q, 0.25 * v)))
+        });
+        let pairs = (0..n).flat_map(|i| {
+            let (p, q, s) = (2 * i, 2 * i + 1, stiff(i));
+            [(p, p, s), (q, q, s), (p, q, -s), (q, p, -s)]
+        });
+        let stiffness = cut(&sparse_from_triplets(2 * n, 2 * n, &half.chain(pairs).collect::<Vec<_>>()).unwrap(), 14);
+        let mass: Vec<_> = (0..2 * n).map(|p| (p, p, 0.5 * diagonal(&light, p / 2))).collect();
+        let mass = sparse_from_triplets(2 * n, 2 * n, &mass).unwrap();
+        // The points of a pair are its mean less or plus half of the difference.
+        let motion: Vec<_> =
+            (0..2 * n).flat_map(|p| [(p, p / 2, 1.0), (p, n + p / 2, if p % 2 == 0 { -0.5 } else { 0.5 })]).collect();
+        let motion = sparse_from_triplets(2 * n, 2 * n, &motion).unwrap();
+        let made = |a: &SparseMatrix| {
+            let dense = |a: &SparseMatrix| {
+                let mut full = Mat::<f64>::zeros(a.nrows(), a.ncols());
+                triplets(a).for_each(|(i, j, v)| full[(i, j)] += v);
+                full
+            };
+            let product = dense(&motion).transpose() * dense(a) * dense(&motion);
+            let entries = (0..2 * n).flat_map(|i| (0..2 * n).map(move |j| (i, j)));
+            let entry = |(i, j): (usize, usize)| (i, j, 0.5 * (product[(i, j)] + product[(j, i)]));
+            let entries: Vec<_> = entries.map(entry).filter(|entry| entry.2 != 0.0).collect();
+            sparse_from_triplets(2 * n, 2 * n, &entries).unwrap()
+        };
+        let (k, m) = (made(&stiffness), made(&mass));
+        let digits = [Digits::Decimal(14); 2];
+        let written = Written { digits, origin: Some(Arc::new(Origin { stiffness, mass, motion })) };
+        let found = |written: Written| {
+            let pencil = Pencil::known_to(&k, &m, written).unwrap();
+            let modes = pencil.lowest(4).unwrap();
+            (pencil.openness(&modes), modes.eigenvalues)
+        };
+        let (open, squares) = found(written);
+        assert_eq!(open.strainless, 1, "{n}");
+        assert_eq!(found(digits.into()).0.strainless, 0, "{n}: the entries of the means do not tell");
+        let exact = lowest_modes(&narrow, &light, 4).unwrap().eigenvalues;
+        for r in 1..4 {
+            let (off, open) = ((squares[r] - exact[r]).abs(), open.deviations[r]);
+            assert!(off < 5.0 * open && open < 1e-4 * exact[r], "{n} {r}: {off:e} {open:e}");
         }
     }
 }

@@ -30,7 +30,16 @@ fn a_floating_structure_of_few_digits_has_the_flexibility_of_all() {
         let w = sparse_from_triplets(n, 2, &[(0, 0, 1.0), (n - 1, 0, -1.0), (7, 1, 1.0)]).unwrap();
         let open = |digits: usize, known: Option<[Digits; 2]>| {
             let (k, m) = chain(n, unit, false, digits);
-            OpenModes::known_to(m, k, w.clone(), vec![0.1; 2], vec![0.0; 2], ModeCount::Lowest(6), known).unwrap()
+            OpenModes::known_to(
+                m,
+                k,
+                w.clone(),
+                vec![0.1; 2],
+                vec![0.0; 2],
+                ModeCount::Lowest(6),
+                known.map(Into::into),
+            )
+            .unwrap()
         };
         let rough = open(digits, Some([Digits::Decimal(digits as u32), Digits::DOUBLE]));
         let exact = open(17, Some([Digits::DOUBLE; 2]));
@@ -52,7 +61,8 @@ fn an_unfelt_motion_gets_a_frequency_far_below_all_others() {
     let (k, m) = chain(n, 1.0, false, 17);
     let w = sparse_from_triplets(n, 1, &[(0, 0, 1.0), (n - 1, 0, -1.0)]).unwrap();
     let open =
-        OpenModes::known_to(m, k, w, vec![0.1], vec![0.0], ModeCount::Lowest(6), Some([Digits::DOUBLE; 2])).unwrap();
+        OpenModes::known_to(m, k, w, vec![0.1], vec![0.0], ModeCount::Lowest(6), Some([Digits::DOUBLE; 2].into()))
+            .unwrap();
     assert_eq!(open.rigid_motions(), Ok((1, 1)));
     let reduced = ReducedStructure::new(&open, &[(0, 0.0)]).unwrap();
     let modes = lowest_modes(reduced.model().stiffness(), reduced.model().mass(), 3).unwrap();
@@ -77,7 +87,7 @@ fn motions_with_neither_stiffness_nor_mass_are_left_out_or_named() {
         };
         let open = |entries: &[(usize, usize, f64)]| {
             let w = sparse_from_triplets(n + 1, 1, entries).unwrap();
-            let digits = Some([Digits::Decimal(14); 2]);
+            let digits = Some([Digits::Decimal(14); 2].into());
             OpenModes::known_to(wide(&narrow.1), wide(&narrow.0), w, vec![0.1], vec![0.0], ModeCount::Lowest(5), digits)
         };
         let w = sparse_from_triplets(n, 1, &[(0, 0, 1.0)]).unwrap();

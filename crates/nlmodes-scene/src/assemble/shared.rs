@@ -68,8 +68,8 @@ impl Structures {
             check_mass(&mass, &super::dofs(model)).map_err(StructureError::Mass)?;
             let directions = model.contact_directions(contacts)?;
             let (gaps, compliance) = (gaps.clone(), compliance.clone());
-            let digits = Some(model.digits);
-            let modes = OpenModes::known_to(mass, stiffness, directions, gaps, compliance, count, digits)?;
+            let written = Some(model.written()?);
+            let modes = OpenModes::known_to(mass, stiffness, directions, gaps, compliance, count, written)?;
             Ok::<_, StructureError>(modes)
         };
         let directions = contacts.iter().map(|contact| (contact.node, contact.against, contact.normal)).collect();

@@ -25,16 +25,20 @@ pub fn doubts(subject: &Subject<'_>) -> Option<String> {
     })
 }
 
-/// Nodes of the matrices that are not in the mesh, except unknowns within elements.
+/// Nodes of the matrices that are not in the mesh, except unknowns within elements and, of elements that CalculiX expands,
+/// the rotations of their knots, which it numbers behind all nodes of the deck.
 fn unknown(subject: &Subject<'_>, mesh: &Mesh) -> Option<String> {
     let nodes = subject.model.nodes();
-    let unknown: Vec<u64> = nodes.iter().filter(|node| mesh.index_of(**node).is_none()).copied().collect();
+    let last = mesh.numbers.iter().copied().max().filter(|_| mesh.is_expanded());
+    let is_knot = |node: u64| last.is_some_and(|last| node > last);
+    let is_unknown = |node: &u64| mesh.index_of(*node).is_none() && !is_knot(*node);
+    let unknown: Vec<u64> = nodes.iter().copied().filter(is_unknown).collect();
     if unknown.is_empty() {
         return None;
     }
     let inner: HashSet<u64> = subject.model.nodes_without_answer().into_iter().collect();
     let count = unknown.iter().filter(|node| !inner.contains(node)).count();
-    let own = nodes.len() - (unknown.len() - count);
+    let own = nodes.iter().filter(|node| !is_knot(**node)).count() - (unknown.len() - count);
     (count as f64 > UNKNOWN * own as f64).then(|| format!("{count} of {own} nodes of the matrices are not in it"))
 }
 

@@ -87,9 +87,9 @@ fn fixed(model: &FeModel) -> String {
         named.into_iter().filter(|index| !rows.contains(&mesh.numbers[*index as usize])).count()
     };
     let missing = model.mesh.as_ref().map(in_elements);
-    let ones = match model.held_by_ones.len() {
+    let level = match model.held_on_diagonals.len() {
         0 => String::new(),
-        n => format!(", {n} of them by ones on both diagonals"),
+        n => format!(", {n} of them by equal values on both diagonals"),
     };
     match (model.fixed.len(), missing) {
         (0, Some(0)) => "each node of the mesh has rows, and `fixed` holds none".into(),
@@ -98,8 +98,8 @@ fn fixed(model: &FeModel) -> String {
             counted(n, "node")
         ),
         (0, None) => "none by `fixed`; what the program eliminated before it wrote the files has no rows".into(),
-        (1, _) => format!("1 degree of freedom, by `fixed` or the files{ones}"),
-        (n, _) => format!("{n} degrees of freedom, by `fixed` or the files{ones}"),
+        (1, _) => format!("1 degree of freedom, by `fixed` or the files{level}"),
+        (n, _) => format!("{n} degrees of freedom, by `fixed` or the files{level}"),
     }
 }
 
@@ -155,8 +155,9 @@ fn left_open(scene: &Scene, open: &OpenStructure, model: &FeModel) -> Vec<Row> {
     }
     let hourglass = open.modes.hourglass_motions();
     if hourglass > 0 {
-        let text = format!("{hourglass} with neither stiffness nor mass are left out, since no contact feels them");
-        rows.push(row("hourglass motions", text));
+        let motions = counted(hourglass, "motion");
+        let text = format!("{motions} with neither stiffness nor mass left out, since no contact feels them");
+        rows.push(row("hourglass", text));
     }
     rows
 }

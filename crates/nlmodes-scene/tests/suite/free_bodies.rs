@@ -26,8 +26,9 @@ fn scene(folder: &Path, structure: &str, contact: &str) -> Outcome<Scene> {
 const TIP: &str = "nodes = \"TIP\"\nnormal = [0.0, 0.0, 1.0]\ngap_m = 1e-5";
 
 /// Exports of CalculiX 2.20 with `*FREQUENCY, SOLVER=MATRIXSTORAGE`: C3D8 in m, kg, s; C3D8I and C3D4 apart in mm, kg,
-/// ms, whose own frequencies CalculiX gives too; C3D8 held and C3D4 free in mm, t, s. Frequencies of the others are of
-/// a dense solution of the same matrices.
+/// ms, whose own frequencies CalculiX gives too; C3D8 held and C3D4 free in mm, t, s; and S4 in mm, t, s and B32 in mm,
+/// kg, ms, whose nodes are the means of those that come of them. Frequencies of the others are of a dense solution of
+/// the same matrices.
 #[test]
 fn free_bodies_of_calculix_are_none_that_are_held() -> Outcome {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures");
@@ -35,6 +36,8 @@ fn free_bodies_of_calculix_are_none_that_are_held() -> Outcome {
         ("bricks", "m-kg-s", 6, 1, 42329.0752),
         ("two_bodies", "mm-kg-ms", 12, 2, 31152.51),
         ("one_held", "mm-t-s", 6, 1, 7850.40423),
+        ("free_shell", "mm-t-s", 6, 1, 1314.75829),
+        ("free_beam", "mm-kg-ms", 6, 1, 1552.56633),
     ] {
         let structure = format!(
             "stiffness = \"{name}.sti.gz\"\nmass = \"{name}.mas.gz\"\ndofs = \"{name}.dof\"\nmesh = \

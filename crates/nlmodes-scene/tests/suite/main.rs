@@ -4,6 +4,7 @@ mod files;
 mod free_bodies;
 mod hostile;
 mod parts;
+mod rows_apart;
 mod schemas;
 mod shared;
 mod units;

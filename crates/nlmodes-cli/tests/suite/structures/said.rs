@@ -72,7 +72,7 @@ fn what_does_not_fit_is_refused_with_its_reason() -> Outcome {
         ("structure.dofs=\"brackt.dof\"", "cannot be read"),
         ("structure.fixed=[\"TOP\"]", "there is no node set `TOP`; expected one of"),
         ("structure.length_m=1.0", "unknown key `structure.length_m`"),
-        ("contact.0.nodes=\"FOOT\"", "none of them with a row in the matrices"),
+        ("contact.0.nodes=\"FOOT\"", "none with a row of its own in the matrices"),
         ("contact.0.nodes=[999999]", "the place of node 999999 is not known"),
         ("contact.0.gap_m=1e-3", "`gap_m` says the gap already"),
         ("contact.0.normal=[0,0,0]", "the normal has no direction"),
@@ -177,5 +177,29 @@ fn a_floating_structure_is_named_by_check_before_a_branch_and_before_a_response(
         assert!(output.status.code() == Some(2) && said.contains(&format!("floats: it has {says}")), "{said}");
         assert!(said.contains("`[[structure.spring]]`"), "{said}");
     }
+    Ok(())
+}
+
+/// Two rods that float, of which a stop holds one: the other one goes on to float.
+#[test]
+fn what_no_contact_feels_has_no_frequency_with_the_contacts_held_either() -> Outcome {
+    let (k, m) = free_rod(12);
+    let (k, m) = (beside(&k, &k), beside(&m, &m));
+    let folder = tempdir()?;
+    let at = |name: &str| folder.path().join(name);
+    fs::write(at("k.mtx"), matrix_market(&k))?;
+    fs::write(at("m.mtx"), matrix_market(&m))?;
+    let rows: Vec<String> = (0..26).map(|i| format!("{},{},ux", i + 1, i + 1)).collect();
+    fs::write(at("dofs.csv"), rows.join("\n"))?;
+    let files = "[structure]\nkind = \"matrices\"\nstiffness = \"k.mtx\"\nmass = \"m.mtx\"\ndofs = \"dofs.csv\"\n";
+    let stop = "[[contact]]\nnode = 13\nnormal = [1.0, 0.0, 0.0]\ngap_m = 1e-4\n";
+    fs::write(at("scene.toml"), format!("{files}{stop}{METHOD}mode = 3\n[continuation]\nmax_energy_ratio = 3.0\n"))?;
+    let modes = text(&call(&["modes", &at("scene.toml").to_string_lossy()])?.stdout);
+    let table: Vec<Vec<&str>> = modes.lines().skip(4).map(|line| line.split_whitespace().collect()).collect();
+    assert_eq!(table[0][1..3], ["0.00000000", "0.00000000"], "{modes}");
+    assert_eq!(table[1][1], "0.00000000", "{modes}");
+    // Of the held rod of 1 m the first frequency is that of a quarter wave.
+    let hz: f64 = table[1][2].parse()?;
+    assert!((hz / (0.25 * (2.1e7_f64 / 0.78).sqrt()) - 1.0).abs() < 1e-2, "{modes}");
     Ok(())
 }
