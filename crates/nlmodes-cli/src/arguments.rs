@@ -80,6 +80,9 @@ A file that is there already is left as it is.")]
     Modes {
         #[command(flatten)]
         scene: SceneArguments,
+        /// Number of free-interface modes, in place of `reduction.modes`
+        #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+        count: Option<u32>,
     },
     /// Compute the branch of a scene with several contact solvers, and compare time, iterations, violation and result
     #[command(after_help = "\

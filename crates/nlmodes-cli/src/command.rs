@@ -36,7 +36,10 @@ pub fn run() -> Status {
         Command::Study(command) => study::run(&command),
         Command::At(arguments) => at::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
-        Command::Modes { scene } => with_structure(&scene, |file| with_parameters(file, modes::run)),
+        Command::Modes { mut scene, count } => {
+            scene.overrides.extend(count.map(|count| format!("reduction.modes={count}")));
+            with_structure(&scene, |file| with_parameters(file, modes::run))
+        }
         Command::Experiment(Experiment::Extract { scene, out, force, quiet }) => {
             let options = RunOptions { force, quiet, ..RunOptions::default() };
             with(&scene, out, scenes::load_records, |scene| match scene {

@@ -63,6 +63,7 @@ mod boundaries;
 mod boundary;
 mod branch;
 mod branching;
+mod budget;
 pub mod conformance;
 mod continuation;
 mod corrector;
@@ -90,6 +91,7 @@ mod watch;
 
 pub use boundary::Boundary;
 pub use branch::{Branch, BranchPoint, EventKind, StopReason};
+pub use budget::Budget;
 pub use continuation::{Bound, Continuation};
 pub use corrector::{Correction, Corrector, Hyperplane};
 pub use crossing::{Arm, AtBranchPoint, Choice, Crossing};

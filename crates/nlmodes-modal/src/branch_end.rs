@@ -82,6 +82,16 @@ pub struct BranchEnd {
 }
 
 impl BranchEnd {
+    /// The same with a word about points whose stability was left out, since the time for it was used up.
+    pub fn without_stability(mut self, points: usize) -> Self {
+        self.message += &match points {
+            0 => String::new(),
+            1 => "; the stability of one point was left out, its time was used up".to_owned(),
+            n => format!("; the stability of {n} points was left out, its time was used up"),
+        };
+        self
+    }
+
     /// The end of a branch that was followed in one direction.
     pub fn new(reason: EndReason, message: impl Into<String>, complete: bool) -> Self {
         Self { reasons: vec![reason], message: message.into(), complete }

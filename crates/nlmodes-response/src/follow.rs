@@ -3,7 +3,7 @@ use std::ops::ControlFlow;
 
 use nlmodes_contact::LcpSolver;
 use nlmodes_continuation::{
-    Bound, Branch, BranchPoint, Continuation, EventKind, Linearization, ParametricSystem, StopReason,
+    Bound, Branch, BranchPoint, Budget, Continuation, EventKind, Linearization, ParametricSystem, StopReason,
 };
 use nlmodes_hbm::{PeriodicSystem, PhaseLag, Refined, Source};
 use nlmodes_linalg::DenseLu;
@@ -23,6 +23,8 @@ pub(crate) struct Curve<'a> {
     pub drive: Option<PhaseLag>,
     pub settings: &'a ResponseSettings,
     pub solver: &'a dyn LcpSolver,
+    /// For the multipliers of its points.
+    pub budget: Budget,
 }
 
 impl Curve<'_> {
@@ -76,6 +78,7 @@ impl Curve<'_> {
             Some(why) => lost(why),
             None => self.end(&branch.stop, omega),
         };
+        let end = end.without_stability(self.budget.left_out());
         let at_levels = self.at_levels(branch)?;
         Ok(ResponseCurve { points, end, at_levels })
     }
@@ -139,7 +142,7 @@ impl Curve<'_> {
         });
         // Of a long curve the multipliers take longer than who asks for an end waits.
         let stability = match self.settings.stability && !self.settings.watch.asks_to_end() {
-            true => Some(self.stability(&x, p)?),
+            true => self.stability(&x, p)?,
             false => None,
         };
         let named = at.events.iter().filter_map(|event| match event {
@@ -161,8 +164,11 @@ impl Curve<'_> {
         })
     }
 
-    fn stability(&mut self, x: &[f64], p: f64) -> Result<Stability, ResponseError> {
-        Ok(self.system.floquet(x, p, self.solver)?.stability())
+    /// Stability of the point with the unknowns `x`; none where the budget is used up.
+    fn stability(&mut self, x: &[f64], p: f64) -> Result<Option<Stability>, ResponseError> {
+        let (system, solver) = (&mut self.system, self.solver);
+        let found = self.budget.spend(&self.settings.watch, |_| Some(system.floquet(x, p, solver)));
+        Ok(found.transpose()?.map(|floquet| floquet.stability()))
     }
 
     /// Number of unknowns, which is the coordinate of the parameter.

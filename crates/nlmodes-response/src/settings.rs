@@ -1,4 +1,4 @@
-use nlmodes_continuation::{Bound, Watch};
+use nlmodes_continuation::{Bound, Budget, Watch};
 use nlmodes_hbm::{Coordinates, PeriodicSettings, Switching};
 
 use crate::{ResponseError, StepLog};
@@ -26,6 +26,9 @@ pub struct ResponseSettings {
     pub from_upper_end: bool,
     /// Whether multipliers are computed. Default yes.
     pub stability: bool,
+    /// Wall time for the multipliers of a curve, s: of points after it none are computed, which the end of the curve
+    /// tells. Default ten times that of the curve, and twenty seconds at least.
+    pub stability_budget_s: Option<f64>,
     /// Most points of a curve. Default 2000.
     pub max_points: usize,
     /// Most curves of [`branching_responses`](crate::branching_responses). Default 20.
@@ -52,12 +55,17 @@ impl ResponseSettings {
             subharmonic: 1,
             from_upper_end: false,
             stability: true,
+            stability_budget_s: None,
             max_points: 2000,
             max_branches: 20,
             levels: Vec::new(),
             watch: Watch::default(),
             log: StepLog::default(),
         }
+    }
+
+    pub(crate) fn budget(&self) -> Budget {
+        Budget::new(self.stability_budget_s)
     }
 
     pub(crate) fn periodic(&self) -> PeriodicSettings {

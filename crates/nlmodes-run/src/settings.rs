@@ -69,6 +69,7 @@ pub fn branch_settings(scene: &Scene) -> BranchSettings {
             StabilityChoice::Always => StabilityRule::Always,
             StabilityChoice::Never => StabilityRule::Never,
         },
+        stability_budget_s: scene.stability_budget_s,
         mode: method.mode,
         harmonics: method.harmonics,
         accuracy: method.accuracy.map(|a| Accuracy { error: a.error, max_harmonics: a.max_harmonics }),

@@ -185,6 +185,7 @@ fn rest(
         overlays: overlays(raw.overlay.as_deref(), base),
         files: ascending(output.files),
         stability: output.stability,
+        stability_budget_s: output.stability_budget_s,
         require: output.require,
         warnings: Vec::new(),
     })

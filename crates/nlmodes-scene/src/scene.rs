@@ -91,6 +91,9 @@ pub struct Scene {
     /// For which points Floquet multipliers are computed.
     #[serde(default = "auto")]
     pub stability: StabilityChoice,
+    /// Wall time for them, s, if given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stability_budget_s: Option<f64>,
     /// Largest errors that are wanted.
     #[serde(default, skip_serializing_if = "Requirement::is_empty")]
     pub require: Requirement,

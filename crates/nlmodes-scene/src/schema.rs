@@ -95,11 +95,37 @@ pub fn schema_of<T: JsonSchema>() -> Value {
     let settings = SchemaSettings::draft2020_12().with(|settings| settings.inline_subschemas = true);
     let mut schema = settings.into_generator().into_root_schema_for::<T>().to_value();
     without_null(&mut schema);
+    with_aliases(&mut schema);
     // Of tables with a common part, this is not said by themselves.
     if let Some(root) = schema.as_object_mut() {
         root.entry("additionalProperties").or_insert(Value::Bool(false));
     }
     schema
+}
+
+/// Words with which a choice may be written beside its own.
+const ALIASES: [(&str, &str); 4] =
+    [("open-modes", "free-interface"), ("held-modes", "fixed-interface"), ("auto", "figures"), ("always", "all")];
+
+/// Adds the other words of choices.
+fn with_aliases(value: &mut Value) {
+    match value {
+        Value::Object(object) => {
+            if let Some(Value::Array(choices)) = object.get_mut("oneOf") {
+                let other = |choice: &Value| {
+                    let (_, alias) = ALIASES.iter().find(|(own, _)| choice["const"] == *own)?;
+                    let mut other = choice.clone();
+                    other["const"] = json!(alias);
+                    Some(other)
+                };
+                let others: Vec<Value> = choices.iter().filter_map(other).collect();
+                choices.extend(others);
+            }
+            object.values_mut().for_each(with_aliases);
+        }
+        Value::Array(items) => items.iter_mut().for_each(with_aliases),
+        _ => {}
+    }
 }
 
 /// Takes out `null`, which stands for "left out" in the raw tables and which TOML does not have.

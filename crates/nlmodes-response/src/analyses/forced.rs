@@ -142,7 +142,8 @@ pub(super) fn curve_over_frequency<'a>(
     let mut direction = vec![0.0; n + 1];
     direction[n] = 1.0;
     let (drive, p) = (model.drive(settings)?, from / unit);
-    let curve = Curve { system, x: Vec::new(), p, direction, bounds, drive, settings, solver };
+    let curve =
+        Curve { system, x: Vec::new(), p, direction, bounds, drive, settings, solver, budget: settings.budget() };
     Ok((curve, (n, unit * settings.subharmonic as f64)))
 }
 
@@ -184,7 +185,7 @@ fn over_level<'a>(
     let bounds = vec![Bound { coordinate: n, min: 0.0, max: WINDOW }];
     let drive = model.drive(settings)?;
     let x = unknowns_at_rest(&system, model.pressed_rest()?.as_ref());
-    Ok(Curve { system, x, p: 0.0, direction, bounds, drive, settings, solver })
+    Ok(Curve { system, x, p: 0.0, direction, bounds, drive, settings, solver, budget: settings.budget() })
 }
 
 /// Most points on the way from rest to the level of a curve.

@@ -60,6 +60,16 @@ fn free_motion(
     let bounds = vec![Bound { coordinate: energy, min: -1.0, max: energy_ratio.ln() }, own.bound_from(omega, unit)?];
     let (x, direction) = (start.unknowns(&system), start.direction(&system));
     let drive = model.drive(&own)?;
-    let mut curve = Curve { system, x, p: 0.0, direction, bounds, drive, settings: &own, solver: solver.as_ref() };
+    let mut curve = Curve {
+        system,
+        x,
+        p: 0.0,
+        direction,
+        bounds,
+        drive,
+        settings: &own,
+        solver: solver.as_ref(),
+        budget: own.budget(),
+    };
     curve.follow((omega, unit))
 }

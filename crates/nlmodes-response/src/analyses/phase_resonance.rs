@@ -48,8 +48,17 @@ pub fn phase_resonance(
     direction.extend([0.0, 1.0]);
     let bounds =
         vec![Bound { coordinate: parameter, min: -1.0, max: (to / from).ln() }, settings.bound_from(omega, base)?];
-    let mut curve =
-        Curve { system, x: start, p: 0.0, direction, bounds, drive: Some(drive), settings, solver: solver.as_ref() };
+    let mut curve = Curve {
+        system,
+        x: start,
+        p: 0.0,
+        direction,
+        bounds,
+        drive: Some(drive),
+        settings,
+        solver: solver.as_ref(),
+        budget: settings.budget(),
+    };
     curve.follow((omega, base * settings.subharmonic as f64))
 }
 

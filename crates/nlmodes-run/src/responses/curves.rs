@@ -333,6 +333,7 @@ fn settings(model: &Model, scene: &Scene, job: &Job<'_>) -> ResponseSettings {
         lag: response.lag_deg.to_radians(),
         subharmonic: response.subharmonic,
         stability: scene.stability != StabilityChoice::Never,
+        stability_budget_s: scene.stability_budget_s,
         max_points: scene.continuation.max_points,
         max_branches: scene.continuation.max_branches,
         levels,

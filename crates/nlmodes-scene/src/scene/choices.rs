@@ -101,8 +101,10 @@ choices! {
     ReductionKind {
         /// Modes with open contacts, and the static flexibility of all others
         #[default]
+        #[serde(alias = "free-interface")]
         OpenModes = "open-modes",
         /// Modes with held contacts, the mass of their nodes left out or moved
+        #[serde(alias = "fixed-interface")]
         HeldModes = "held-modes",
     }
     /// Mass matrix of the elements.
@@ -177,8 +179,10 @@ choices! {
     StabilityChoice {
         /// For all points of shooting, and for those in harmonics of structures of up to 16 modes
         #[default]
+        #[serde(alias = "figures")]
         Auto = "auto",
         /// For all points
+        #[serde(alias = "all")]
         Always = "always",
         /// For none
         Never = "never",

@@ -18,6 +18,11 @@ pub struct Output {
     /// For which points Floquet multipliers are computed
     #[serde(default)]
     pub stability: StabilityChoice,
+    /// Wall time for them, of each curve; points after it have none, which its end tells. Default ten times that of the
+    /// curve, and twenty seconds at least
+    #[serde(default)]
+    #[schemars(extend("unit" = "s", "minimum" = 0.0))]
+    pub stability_budget_s: Option<f64>,
     /// Largest relative errors of the results that are wanted: `summary.json` and the page tell where they are met
     #[serde(default)]
     pub require: Requirement,

@@ -256,7 +256,7 @@ pub(super) fn branch_end(stop: &StopReason, tracer: &Tracer, n_points: usize) ->
         StopReason::Stopped if n_points >= settings.max_points => &StopReason::MaxPoints,
         stop => stop,
     };
-    curve_end(stop, settings.max_points, |coordinate, value| {
+    let end = curve_end(stop, settings.max_points, |coordinate, value| {
         if coordinate == dim {
             energy_bound(value, reference)
         } else if coordinate == frequency {
@@ -264,5 +264,6 @@ pub(super) fn branch_end(stop: &StopReason, tracer: &Tracer, n_points: usize) ->
         } else {
             (EndReason::Bound, format!("unknown {coordinate} reached {value}"))
         }
-    })
+    });
+    end.without_stability(tracer.viewer.without_stability())
 }

@@ -110,6 +110,9 @@ pub struct BranchSettings {
     pub internal_resonance: ResonanceRule,
     /// For which points Floquet multipliers are computed. Default where that is cheap.
     pub stability: StabilityRule,
+    /// Wall time for the stability of points in harmonics, s: of what comes after it none is computed, which the end of
+    /// the branch tells. Default ten times that of the branch, and twenty seconds at least.
+    pub stability_budget_s: Option<f64>,
     /// Most points, of all branches together. Default 5000.
     pub max_points: usize,
     /// Steps of the continuation.
@@ -138,6 +141,7 @@ impl Default for BranchSettings {
             max_branches: 20,
             internal_resonance: ResonanceRule::Follow,
             stability: StabilityRule::Auto,
+            stability_budget_s: None,
             max_points: 5000,
             step: StepSettings::default(),
             watch: Watch::default(),

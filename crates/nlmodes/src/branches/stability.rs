@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use nlmodes_continuation::{Continuation, Watched};
+use nlmodes_continuation::{Budget, Continuation, Watched};
 use nlmodes_hbm::Grazing;
 use nlmodes_modal::{ModalPoint, Stability};
 use nlmodes_model::MasslessContactModel;
@@ -31,6 +31,7 @@ pub(super) enum Probe {
 pub(super) struct Beside {
     shooting: ModeShooting,
     watch: Watch,
+    budget: Budget,
     /// Guess at the last point of the branch, unknowns and parameter.
     last: Option<Vec<f64>>,
 }
@@ -53,7 +54,8 @@ impl Probe {
         let reduced = reduced.filter(|r| settings.stability == StabilityRule::Always || r.n_held_modes() == size);
         let shooting = reduced.and_then(|r| ModeShooting::new(r, grazing.omega, settings.harmonics).ok());
         shooting.map_or(Self::Silent, |shooting| {
-            Self::Beside(Box::new(Beside { shooting, watch: settings.watch.clone(), last: None }))
+            let (watch, budget) = (settings.watch.clone(), Budget::new(settings.stability_budget_s));
+            Self::Beside(Box::new(Beside { shooting, watch, budget, last: None }))
         })
     }
 
@@ -64,6 +66,11 @@ impl Probe {
             Self::Beside(beside) => beside.of(point),
             Self::Silent => None,
         }
+    }
+
+    /// Points whose stability was left out since the budget was used up.
+    pub fn left_out(&self) -> usize {
+        if let Self::Beside(beside) = self { beside.budget.left_out() } else { 0 }
     }
 
     /// The branch goes on from this point.
@@ -89,14 +96,17 @@ impl Beside {
         let along = along.filter(|d| length(d) > 1e-9 * length(&guess)).unwrap_or(upward);
         let (p, x) = guess.split_last()?;
         let method = Continuation { max_points: 1, ..Continuation::default() };
-        let mut watched = Watched { system: &mut self.shooting, watch: &self.watch };
-        let found = method.run(&mut watched, x, *p, &along, |_| ControlFlow::Continue(())).ok()?;
-        let exact = found.points.into_iter().next()?;
-        let gap: Vec<f64> = exact.z().iter().zip(&guess).map(|(a, b)| a - b).collect();
-        if length(&gap) > NEAR * length(x) {
-            return None;
-        }
-        self.shooting.floquet(&exact.x).ok().map(|found| found.stability())
+        let shooting = &mut self.shooting;
+        self.budget.spend(&self.watch, |watch| {
+            let mut watched = Watched { system: &mut *shooting, watch };
+            let found = method.run(&mut watched, x, *p, &along, |_| ControlFlow::Continue(())).ok()?;
+            let exact = found.points.into_iter().next()?;
+            let gap: Vec<f64> = exact.z().iter().zip(&guess).map(|(a, b)| a - b).collect();
+            if length(&gap) > NEAR * length(x) {
+                return None;
+            }
+            shooting.floquet(&exact.x).ok().map(|found| found.stability())
+        })
     }
 }
 

@@ -49,6 +49,11 @@ impl<'s> Viewer<'s> {
         self.probe.accepted(point);
     }
 
+    /// Points whose stability was left out since its budget was used up.
+    pub fn without_stability(&self) -> usize {
+        self.probe.left_out()
+    }
+
     /// The modal point of a solution; `None` if it cannot be evaluated again.
     pub fn see(&mut self, x: &[f64], residual: f64) -> Option<ModalPoint> {
         let mut modal = self.problem.modal_point(x, residual).ok()?;
