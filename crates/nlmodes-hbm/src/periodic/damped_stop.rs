@@ -39,6 +39,9 @@ impl ModalStructure {
             structure.stop_compliance[i] = 0.0;
             structure.omega_squared.push(stop.stiffness);
             structure.inertia.push(0.0);
+            if !structure.steady_force.is_empty() {
+                structure.steady_force.push(0.0);
+            }
             structure.damped.push(i);
         }
         let of = |i: usize| stops.iter().position(|stop| stop.contact == i);

@@ -62,8 +62,8 @@ pub struct PeriodicMotion {
     pub contacts: Vec<ContactMotion>,
     /// Averaged kinetic energy, J.
     pub kinetic_energy: f64,
-    /// Mean of kinetic and strain energy, J, with that of the residual flexibility and of the stops; without the work
-    /// of contact-free static loads.
+    /// Mean of kinetic and strain energy, J, with that of the residual flexibility, of the stops and of a steady force;
+    /// without the work of contact-free static loads.
     pub total_energy: f64,
     /// Mean power that the load puts in, W.
     pub input_power: f64,
@@ -150,7 +150,9 @@ impl PeriodicSystem {
             let contact: f64 = forces[n].iter().zip(&y).map(|(f, y)| (f * y.conj()).re).sum();
             mean_share(n) * (modal - contact)
         };
-        let strain: f64 = (0..eta.len()).map(strain).sum();
+        // The steady force loses what it does on the mean.
+        let steady = self.structure.steady_force().iter().zip(&eta[0]).map(|(p, eta)| p * eta.re).sum::<f64>();
+        let strain: f64 = (0..eta.len()).map(strain).sum::<f64>() - steady;
         let sum = |f: &dyn Fn(usize) -> f64| (1..eta.len()).map(f).sum::<f64>();
         let (total_energy, kinetic_energy) = (sum(&kinetic) + strain, sum(&kinetic));
         let (input_power, dissipated_power) = (sum(&power), sum(&damped));

@@ -80,6 +80,7 @@ pub fn modal_lift_off(structure: &ModalStructure, at: ModeAtRest<'_>) -> Result<
     let damping = |j: usize, k: usize| at.shape[j] * structure.damping().entry(j, k) * at.shape[k];
     let damping: f64 = (0..m).flat_map(|j| (0..m).map(move |k| (j, k))).map(|(j, k)| damping(j, k)).sum();
     let energy = 0.25 * at.omega_squared * amplitude * amplitude;
+    // Of a structure that floats the motion without stiffness has none of it.
     let elastic = (0..m).filter(|&k| structure.omega_squared()[k] > 0.0);
     let modal = elastic.map(|k| structure.rows()[(contact, k)].powi(2) / structure.omega_squared()[k]).sum::<f64>();
     let compliance = structure.compliance().a()[(contact, contact)] + modal;
@@ -109,7 +110,8 @@ pub fn modal_grazing(structure: &ModalStructure, mode: usize) -> Result<ModalGra
     if mode == 0 || mode > m {
         return Err(HbmError::NoSuchMode { mode, available: m });
     }
-    if let Some(contact) = structure.gaps().iter().position(|g| *g < 0.0) {
+    if structure.is_pressed() {
+        let contact = structure.gaps().iter().position(|g| *g < 0.0).unwrap_or(0);
         return Err(HbmError::PressedAtRest { contact, gap: structure.gaps()[contact] });
     }
     let k = mode - 1;
