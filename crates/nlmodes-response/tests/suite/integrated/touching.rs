@@ -20,7 +20,7 @@ fn responses_before_a_stop_that_touches_at_rest_are_those_of_an_integration_in_t
         assert!(curve.end.complete, "{:?}", curve.end);
         for point in curve.points.iter().step_by(10) {
             let share = point.motion.contacts[0].closed_share;
-            assert!((0.2..0.8).contains(&share), "{share}");
+            assert!((0.02..0.8).contains(&share), "{share}");
             let start = masses.state(&model, point, 1);
             let (found, amplitude) = masses.shoot(point.omega, start, 1);
             let off = masses.distance(point.omega, &found, &start);
@@ -60,7 +60,7 @@ fn motions_before_a_stop_without_a_gap_grow_with_the_level() {
             let curve = force_response(&beside.model(), omega, level, &settings).unwrap();
             (curve.points.last().unwrap().drive / level - unit).norm() / unit.norm()
         };
-        let [far, near] = [1e-2, 1e-4].map(off);
-        assert!(near < 1e-3 && near < 0.1 * far, "{far:e} {near:e}");
+        let [far, near] = [1e-1, 1e-2].map(off);
+        assert!(near < 5e-2 && near < 0.3 * far, "{far:e} {near:e}");
     }
 }
