@@ -3,6 +3,7 @@ use nlmodes_hbm::{
     DampedStop, HbmError, Load, LoadTerm, ModalGrazing, ModalStructure, ModeAtRest, PhaseLag, ResponseRow,
     modal_grazing, modal_lift_off,
 };
+use nlmodes_linalg::Mat;
 use nlmodes_reduction::{OpenModes, RestState};
 use num_complex::Complex64;
 
@@ -41,11 +42,14 @@ impl ResponseModel {
     /// # Errors
     /// [`ResponseError::Problem`] where a rigid stop meets a contact without flexibility.
     pub fn new(open: OpenModes, damping: &Damping) -> Result<Self, ResponseError> {
-        let rigid = open.n_rigid();
+        let (rigid, unfelt) = (open.n_rigid(), open.unfelt_motions());
+        let rows = Mat::from_fn(open.n_contacts(), open.n_modes(), |i, r| {
+            if unfelt.contains(&r) { 0.0 } else { open.contact_rows()[(i, r)] }
+        });
         let squares = open.omega_squared().iter().enumerate();
         let structure = ModalStructure::new(
             squares.map(|(r, w)| if r < rigid { 0.0 } else { w.max(0.0) }).collect(),
-            open.contact_rows().clone(),
+            rows,
             open.flexibility(),
             open.gaps().to_vec(),
             open.stop_compliance(),
