@@ -76,6 +76,15 @@ pub enum LcpError {
         /// rounded numbers `max |A ray| ≤ 1e-8 |bᵀ ray|` (scaled), which excludes forces below `1e8 max |b|`.
         ray: Vec<f64>,
     },
+    /// No contact forces balance a load on motions without stiffness.
+    #[error("the body falls away: no contact forces balance the load on it")]
+    Unbalanced {
+        /// What is left of the load on each of the motions, along which the body goes.
+        motion: Vec<f64>,
+    },
+    /// A motion without stiffness is not held by the closed contacts.
+    #[error("the closed contacts do not hold the body: it can still move without strain")]
+    Loose,
     /// The backend ended without a solution that the judge accepts.
     #[error("contact solver `{solver}` did not converge: violation {violation:.1e} after {iterations} iterations")]
     NotConverged {

@@ -53,6 +53,7 @@
 //!
 //! [`Series`] solves the samples of a period with one matrix and warm starts, and gives the derivatives of forces, gaps
 //! and displacements at each. [`ContactBody`] makes the problem from directions, compliance and gaps of a body.
+//! [`balance`] finds where a body with motions without stiffness rests on its contacts.
 //! [`conformance`] has the suite that each of these passes; a backend of your own can be tested with it in one line.
 //!
 //! All of them pass the whole suite, `closed-form` its problems of one contact. They return an error if a solution
@@ -73,6 +74,7 @@
 //! - P. J. Goulart, Y. Chen, Clarabel: an interior-point solver for conic programs with quadratic objectives,
 //!   arXiv:2405.12762.
 
+mod balance;
 mod block;
 mod body;
 pub mod conformance;
@@ -86,6 +88,7 @@ mod series;
 mod solver;
 mod tile;
 
+pub use balance::{Balance, balance};
 pub use block::ClosedBlock;
 pub use body::{ClosedResponse, ContactBody};
 pub use error::LcpError;

@@ -4,6 +4,7 @@ use nlmodes_model::{ContactCoordinates, MasslessContactModel};
 use nlmodes_reduction::{HeldMode, HeldModes};
 
 use crate::HbmError;
+use crate::energy::inner;
 use crate::held_sums::HeldSums;
 use crate::recording::Recording;
 
@@ -37,6 +38,8 @@ pub struct CondensedStructure {
     pub(crate) residual: ResidualMass,
     /// The contact degrees of freedom with `C = K_NN⁻¹`.
     pub(crate) body: ContactBody,
+    /// What a steady force does with the contacts held.
+    pub(crate) statics: HeldStatics,
     /// The held modes once more, laid out for sums over all of them.
     pub(crate) sums: HeldSums,
     pub(crate) recording: Recording,
@@ -52,6 +55,7 @@ impl CondensedStructure {
     pub fn new(model: MasslessContactModel, n_modes: usize) -> Result<Self, HbmError> {
         let held = HeldModes::new(&model, n_modes)?;
         refuse_stiff_springs(&model, &held.transfer)?;
+        let statics = HeldStatics::new(&model, &held);
         let residual = if held.is_all() { ResidualMass::none(&held.statics) } else { ResidualMass::new(&model, &held) };
         let (k_nn, n_held) = (&held.contact_stiffness, held.count());
         let gaps: Vec<f64> = model.contacts().iter().map(|c| c.gap).collect();
@@ -62,8 +66,8 @@ impl CondensedStructure {
         let inverse = k_nn.solve_columns(&Mat::identity(n_n, n_n));
         let HeldModes { modes, shapes, statics: psi, transfer: t0, .. } = held;
         let sums = HeldSums::new(&modes, &inverse, &t0, &residual);
-        let recording = Recording::new(&model, &modes, &shapes, &psi, &residual.shapes);
-        Ok(Self { model, modes, shapes, psi, t0, residual, body, sums, recording, n_held })
+        let recording = Recording::new(&model, &modes, &shapes, [&psi, &residual.shapes], &statics.sag);
+        Ok(Self { model, modes, shapes, psi, t0, residual, body, statics, sums, recording, n_held })
     }
 
     /// The structure that was reduced.
@@ -110,6 +114,33 @@ impl CondensedStructure {
     /// Number of contacts c.
     pub fn n_contacts(&self) -> usize {
         self.body.gaps().len()
+    }
+}
+
+/// Static answer of the structure to a steady force `f` with its contacts held; all empty where there is none.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct HeldStatics {
+    /// `K_LL⁻¹ f_L`, n_L, m.
+    pub sag: Vec<f64>,
+    /// `Ψᵀ f_L`, n_N, N: what the contact nodes feel of it.
+    pub pull: Vec<f64>,
+    /// `K_NN⁻¹ Ψᵀ f_L`, n_N, m: where it brings the contact nodes.
+    pub lift: Vec<f64>,
+    /// `−½ f_Lᵀ K_LL⁻¹ f_L`, J: energy of the structure and of the force, contacts held where they are drawn.
+    pub energy: f64,
+}
+
+impl HeldStatics {
+    fn new(model: &MasslessContactModel, held: &HeldModes) -> Self {
+        let Some(steady) = model.steady_force() else { return Self::default() };
+        let force: Vec<f64> = model.linear_dofs().iter().map(|&dof| steady.force[dof]).collect();
+        let along = |d: usize| (0..force.len()).map(|i| held.statics[(i, d)] * force[i]).sum::<f64>();
+        let pull: Vec<f64> = (0..held.statics.ncols()).map(along).collect();
+        let (mut sag, mut lift) = (force.clone(), pull.clone());
+        held.stiffness.solve_in_place(&mut sag);
+        held.contact_stiffness.solve_in_place(&mut lift);
+        let energy = -0.5 * inner(&force, &sag);
+        Self { sag, pull, lift, energy }
     }
 }
 

@@ -58,6 +58,9 @@ impl Scales {
 /// ln(E_av(ω, b)/E_ref) − p = 0                          energy condition of (16)
 /// ```
 ///
+/// A steady force `f` that the contacts alone can balance, such as the weight of a structure that floats, stands in the
+/// mean: `b_0 − T_0 q_N,0 = K_NN⁻¹ Ψᵀ f_L`.
+///
 /// The paper iterates on `q_N,n` instead, eq. (15); the solutions are the same, with `q_N,n = 𝓕_n(q_N(t))`. But `q_N,n`
 /// vanishes where `nω` meets an eigenfrequency of the held structure, and cannot tell solutions apart there; `b_n`
 /// does, for `q_N(t)` is a function of `b(t)`, not the other way round.

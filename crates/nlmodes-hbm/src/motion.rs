@@ -84,6 +84,7 @@ impl MixedShooting<'_> {
                 all.of_mut(place).iter_mut().zip(values.row(row).iter()).for_each(|(to, q)| *to += part.unit * *q);
             }
         }
+        recording.linear.iter().zip(&recording.sag).for_each(|(&place, sag)| all.of_mut(place)[0] += sag);
         all
     }
 
@@ -106,7 +107,9 @@ impl MixedShooting<'_> {
     /// Averaged kinetic energy of each harmonic, and averaged strain energy, that of elastic stops included.
     ///
     /// The strain energy is that of `q_L` with the contact nodes at `b`, and that of the contact nodes between `b` and
-    /// `q_N` and of the stops, `½ λᵀ A λ`, whose mean is `−½ ⟨λᵀ (Wᵀ b + g₀)⟩` because `λᵀ (Wᵀ b + g₀ + A λ) = 0`.
+    /// `q_N` and of the stops, `½ λᵀ A λ`, whose mean is `−½ ⟨λᵀ (Wᵀ b + g₀)⟩` because `λᵀ (Wᵀ b + g₀ + A λ) = 0`. That
+    /// of a steady force, `−f_Lᵀ q_L`, is counted with it: with `q_L,0 = Ψ q_N,0 + K_LL⁻¹ f_L` both are the same sum
+    /// but for a constant.
     fn energies(&self, held: &HeldMotion, omega: f64) -> (Vec<f64>, f64) {
         let structure = self.structure();
         let (n_n, k_nn) = (structure.n_contact_dofs(), structure.model().k_nn());
@@ -137,7 +140,7 @@ impl MixedShooting<'_> {
             }
         }
         let preload: f64 = self.mean_forces().iter().zip(structure.body.gaps()).map(|(λ, g)| λ * g).sum();
-        (harmonic_energy, strain - 0.5 * preload)
+        (harmonic_energy, strain - 0.5 * preload + structure.statics.energy)
     }
 
     /// `q̃ = √(q_L,1ᴴ M_LL q_L,1)`, eqs. (21), (22).

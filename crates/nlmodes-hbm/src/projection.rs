@@ -12,6 +12,8 @@ pub struct Projection {
     inertia: Mat<f64>,
     /// `Φᵀ M [φ … , Ψ, X]`, modes × (held modes + 2 n_N).
     reduced: Mat<f64>,
+    /// `Φᵀ M` of what a steady force adds to the mean, modes; empty for none.
+    sag: Vec<f64>,
 }
 
 impl Projection {
@@ -33,7 +35,9 @@ impl Projection {
             j if j < k + n => psi[(i, j - k)],
             j => residual[(i, j - k - n)],
         });
-        Self { inertia, reduced }
+        let of = |j: usize| structure.statics.sag.iter().enumerate().map(|(i, sag)| heavy[(j, i)] * sag).sum::<f64>();
+        let sag = if structure.statics.sag.is_empty() { Vec::new() } else { (0..r).map(of).collect() };
+        Self { inertia, reduced, sag }
     }
 
     /// Of a motion of all degrees of freedom, modes × (H + 1), m·√kg; `None` for a motion of some of them only.
@@ -68,6 +72,7 @@ impl MixedShooting<'_> {
                 modal.of_mut(k).iter_mut().enumerate().for_each(|(n, eta)| *eta += part.unit * values[(k, n)]);
             }
         }
+        onto.sag.iter().enumerate().for_each(|(k, sag)| modal.of_mut(k)[0] += sag);
         Ok(modal)
     }
 }

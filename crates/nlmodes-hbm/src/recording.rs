@@ -20,6 +20,8 @@ pub(crate) struct Recording {
     pub contacts: Vec<usize>,
     /// Rows of `[φ … , Ψ, X]` for `linear`.
     pub basis: Mat<f64>,
+    /// What a steady force adds to the mean of `linear`; empty for none.
+    pub sag: Vec<f64>,
 }
 
 impl Recording {
@@ -27,8 +29,8 @@ impl Recording {
         model: &MasslessContactModel,
         modes: &[HeldMode],
         shapes: &Mat<f64>,
-        psi: &Mat<f64>,
-        residual: &Mat<f64>,
+        [psi, residual]: [&Mat<f64>; 2],
+        sag: &[f64],
     ) -> Self {
         let dofs = recorded(model);
         let place = |dof: usize| dofs.binary_search(&dof).ok();
@@ -47,7 +49,8 @@ impl Recording {
             ContactCoordinates::Nodes => model.contact_dofs().iter().filter_map(|&dof| place(dof)).collect(),
             ContactCoordinates::SpringTips => Vec::new(),
         };
-        Self { linear: rows.into_iter().map(|(_, place)| place).collect(), contacts, basis, dofs }
+        let sag = rows.iter().filter_map(|(row, _)| sag.get(*row).copied()).collect();
+        Self { linear: rows.into_iter().map(|(_, place)| place).collect(), contacts, basis, sag, dofs }
     }
 
     pub fn dofs(&self) -> &[usize] {

@@ -1,11 +1,13 @@
+mod rest;
+
 use std::f64::consts::TAU;
 
-use nlmodes_contact::{LcpMatrix, solver_by_name};
 use nlmodes_linalg::{
     DenseLu, Mat, SparseMatrix, Triplet, max_norm, select, sparse_from_triplets, symmetric_eigen, triplets,
 };
 use nlmodes_model::{ContactLaw, DofKind, LinearModes, linear_modes, open_modes};
 
+use self::rest::Rest;
 use crate::closed_set::ClosedSet;
 use crate::energy::inner;
 use crate::series::RealSeries;
@@ -22,9 +24,6 @@ const LOOKED_AT: usize = 10;
 
 /// Most rigid-body motions of a straight structure in its plane.
 const RIGID_MOTIONS: usize = 3;
-
-/// Guard at rest, over the largest gap, below which a contact touches without force.
-const ROUNDING: f64 = 1e-12;
 
 /// A linear mode at the amplitude at which the state of a contact is about to change: where the nonlinear mode begins.
 ///
@@ -57,6 +56,11 @@ impl Grazing {
     /// Scales with which the problem has numbers near one.
     pub fn scales(&self) -> Scales {
         Scales { length: self.length, omega: self.omega, energy: self.energy }
+    }
+
+    /// What the energies of the branch are counted in, as a word: `grazing`, or `lift-off` of a stop that presses.
+    pub fn word(&self) -> &'static str {
+        if self.lifts_off { "lift-off" } else { "grazing" }
     }
 
     /// Largest amplitude of `b`, m.
@@ -125,6 +129,17 @@ pub fn grazing_opened(structure: &CondensedStructure, mode: usize, energy: f64) 
     start.touching.iter().for_each(|&i| opening[i] = amplitude * start.slopes[i].abs());
     let toward = -amplitude * start.slopes[contact].signum();
     Ok(start.at(contact, toward, opening))
+}
+
+impl CondensedStructure {
+    /// Energy at rest of a structure that a steady force presses onto its contacts, J, in which the total energy of its
+    /// motions is counted; zero of others.
+    ///
+    /// # Errors
+    /// [`HbmError`] where it does not rest.
+    pub fn energy_at_rest(&self) -> Result<f64, HbmError> {
+        if self.model.steady_force().is_none() { Ok(0.0) } else { Ok(Rest::of(self)?.energy) }
+    }
 }
 
 /// A linear mode about rest, before its amplitude is chosen.
@@ -239,54 +254,6 @@ impl Felt {
 fn projected(structure: &CondensedStructure, b: &[f64]) -> Vec<f64> {
     let w = structure.model.w();
     (0..w.ncols()).map(|i| (0..w.nrows()).map(|d| w[(d, i)] * b[d]).sum()).collect()
-}
-
-/// The structure at rest, pressed against the stops whose gaps are negative.
-struct Rest {
-    closed: Vec<bool>,
-    b: Vec<f64>,
-    /// Largest static compliance of the structure at a pressed contact, m/N; zero where none is pressed.
-    compliance: f64,
-    /// Guards up to this, m, are zero.
-    noise: f64,
-}
-
-impl Rest {
-    fn of(structure: &CondensedStructure) -> Result<Self, HbmError> {
-        let (c, n) = (structure.n_contacts(), structure.n_contact_dofs());
-        if structure.body.gaps().iter().all(|g| *g >= 0.0) {
-            return Ok(Self { closed: vec![false; c], b: vec![0.0; n], compliance: 0.0, noise: 0.0 });
-        }
-        // q_0 = (K_NN (I − T_0))⁻¹ W λ: the whole structure yields, not only the contact node.
-        let system = Mat::from_fn(n, n, |i, j| if i == j { 1.0 } else { 0.0 } - structure.t0[(i, j)]);
-        let lu = DenseLu::factor(&system).map_err(|source| HbmError::Linalg {
-            what: "a structure that is pressed at rest but not supported",
-            source,
-        })?;
-        let mut q = structure.body.compliance_w().clone();
-        for i in 0..c {
-            let mut column: Vec<f64> = q.col(i).iter().copied().collect();
-            lu.solve_in_place(&mut column);
-            q.col_mut(i).iter_mut().zip(&column).for_each(|(q, v)| *q = *v);
-        }
-        let compliance = structure.model.w().transpose() * &q;
-        let mut compliance = Mat::from_fn(c, c, |i, j| 0.5 * (compliance[(i, j)] + compliance[(j, i)]));
-        structure.model.stop_compliance().iter().enumerate().for_each(|(i, own)| compliance[(i, i)] += own);
-        let compliance = LcpMatrix::new(&compliance).map_err(HbmError::Compliance)?;
-        let (mut closed, mut lambda) = (vec![false; c], vec![0.0; c]);
-        solver_by_name("active-set")
-            .and_then(|solver| solver.workspace(&compliance))
-            .and_then(|mut workspace| workspace.solve(structure.body.gaps(), &mut closed, &mut lambda))
-            .map_err(HbmError::Compliance)?;
-        let noise = ROUNDING * max_norm(structure.body.gaps().iter().copied());
-        let a = compliance.a();
-        // A force that is nothing but rounding does not hold a contact.
-        (0..c).for_each(|i| closed[i] &= a[(i, i)] * lambda[i] > noise);
-        let softest = max_norm((0..c).filter(|i| closed[*i]).map(|i| a[(i, i)]));
-        let q: Vec<f64> = (0..n).map(|d| (0..c).map(|i| q[(d, i)] * lambda[i]).sum()).collect();
-        let b = (0..n).map(|d| (0..n).map(|e| structure.t0[(d, e)] * q[e]).sum()).collect();
-        Ok(Self { closed, b, compliance: softest, noise })
-    }
 }
 
 /// Relative difference below which two frequencies count as one.

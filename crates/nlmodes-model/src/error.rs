@@ -17,6 +17,17 @@ pub enum ModelError {
         /// Size found.
         found: usize,
     },
+    /// A steady force acts on a contact node, which has no mass.
+    #[error(
+        "a steady force of {} N acts on degree of freedom {dof}, a contact node without mass; expected it in the gap \
+        of its contact", rounded(*force, 6)
+    )]
+    ForceAtContact {
+        /// The degree of freedom.
+        dof: usize,
+        /// The force, N.
+        force: f64,
+    },
     /// A number is NaN or infinite.
     #[error("{what} {index} is {value}, which is not a finite number")]
     NotFinite {

@@ -57,6 +57,7 @@ mod mass_shift;
 mod massless;
 mod redistribution;
 mod rigid;
+mod steady;
 mod structure;
 #[cfg(test)]
 mod test_chain;
@@ -73,4 +74,5 @@ pub use mass_shift::MassShift;
 pub use massless::{ContactCoordinates, MasslessContactModel};
 pub use redistribution::{Drop, MassRedistribution, Move};
 pub use rigid::{MassProperties, RigidMotion};
+pub use steady::SteadyForce;
 pub use structure::StructuralModel;

@@ -5,7 +5,8 @@ use nlmodes_linalg::{Mat, SparseCholesky, SparseMatrix, Triplet, select, sparse_
 use crate::linear_modes::KnownModes;
 use crate::structure::check_matrix;
 use crate::{
-    Contact, ContactLaw, Dof, DofContact, DofKind, MassRedistribution, ModelError, RigidMotion, StructuralModel,
+    Contact, ContactLaw, Dof, DofContact, DofKind, MassRedistribution, ModelError, RigidMotion, SteadyForce,
+    StructuralModel,
 };
 
 /// The massless coordinates `q_N` that satisfy the contact law at each instant; all others move in harmonics.
@@ -55,6 +56,7 @@ pub struct MasslessContactModel {
     pub(crate) k_ln: Mat<f64>,
     pub(crate) k_nn: Mat<f64>,
     pub(crate) w: Mat<f64>,
+    pub(crate) steady: Option<Arc<SteadyForce>>,
     /// Shared by all clones: a model is immutable.
     pub(crate) known: Arc<KnownModes>,
 }
@@ -64,7 +66,8 @@ impl MasslessContactModel {
     ///
     /// # Errors
     /// [`ModelError::NoContact`]; [`ModelError::NoLinearDof`]; [`ModelError::MassAtContact`] if `rule` violates its
-    /// trait, and other errors of `rule`; [`ModelError::Linalg`] if `K_NN` is not positive definite.
+    /// trait, and other errors of `rule`; [`ModelError::ForceAtContact`] for a steady force on a contact node;
+    /// [`ModelError::Linalg`] if `K_NN` is not positive definite.
     pub fn new(model: &StructuralModel, rule: &dyn MassRedistribution) -> Result<Self, ModelError> {
         let n = model.dofs().len();
         let (contacts, places) = (single_dofs(model)?, places_in_space(model)?);
@@ -77,6 +80,7 @@ impl MasslessContactModel {
             return Err(ModelError::NoLinearDof { dofs: n });
         }
         let mass = redistributed(model, rule)?;
+        check_unloaded(model, &nonlinear)?;
         let part = |a: &SparseMatrix, rows: &[usize], columns: &[usize]| {
             select(a, rows, columns).map_err(ModelError::during("partition into linear and contact coordinates"))
         };
@@ -97,6 +101,7 @@ impl MasslessContactModel {
             mass,
             linear,
             nonlinear,
+            steady: model.steady_force().cloned(),
             known: Arc::default(),
         })
     }
@@ -140,6 +145,7 @@ impl MasslessContactModel {
             k_ll,
             mass,
             nonlinear,
+            steady: model.steady_force().cloned(),
             known: Arc::default(),
         })
     }
@@ -219,6 +225,12 @@ impl MasslessContactModel {
         &self.stiffness
     }
 
+    /// The constant force on the degrees of freedom L that its contacts alone can balance, if there is one; `R` is of
+    /// all.
+    pub fn steady_force(&self) -> Option<&SteadyForce> {
+        self.steady.as_deref()
+    }
+
     /// `M̄_LL`, n_L × n_L.
     pub fn m_ll(&self) -> &SparseMatrix {
         &self.m_ll
@@ -251,6 +263,15 @@ fn redistributed(model: &StructuralModel, rule: &dyn MassRedistribution) -> Resu
     check_matrix("redistributed mass matrix", &mass, model.dofs().len())?;
     check_massless(rule.name(), &mass, &contact_dofs(model))?;
     Ok(mass)
+}
+
+/// A steady force acts where there is mass: elsewhere it is part of the gaps.
+fn check_unloaded(model: &StructuralModel, nonlinear: &[usize]) -> Result<(), ModelError> {
+    let Some(steady) = model.steady_force() else { return Ok(()) };
+    match nonlinear.iter().find(|dof| steady.force[**dof] != 0.0) {
+        Some(&dof) => Err(ModelError::ForceAtContact { dof, force: steady.force[dof] }),
+        None => Ok(()),
+    }
 }
 
 /// The contacts, each at one degree of freedom.

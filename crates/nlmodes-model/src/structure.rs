@@ -3,7 +3,7 @@ use std::sync::Arc;
 use nlmodes_linalg::{SparseMatrix, asymmetry};
 
 use crate::definite::check_mass;
-use crate::{Contact, ContactLaw, Dof, ModelError};
+use crate::{Contact, ContactLaw, Dof, ModelError, SteadyForce};
 
 /// A linear structure with unilateral contacts, eqs. (1), (4), (5).
 ///
@@ -17,6 +17,7 @@ pub struct StructuralModel {
     dofs: Arc<[Dof]>,
     places: Option<Arc<[[f64; 3]]>>,
     contacts: Vec<Contact>,
+    steady: Option<Arc<SteadyForce>>,
 }
 
 impl StructuralModel {
@@ -40,7 +41,23 @@ impl StructuralModel {
         check_mass(&mass, &dofs)?;
         check_finite("position of degree of freedom", dofs.iter().map(|d| d.position))?;
         check_contacts(&contacts, dofs.len())?;
-        Ok(Self { mass, stiffness, damping: None, dofs: dofs.into(), places: None, contacts })
+        Ok(Self { mass, stiffness, damping: None, dofs: dofs.into(), places: None, contacts, steady: None })
+    }
+
+    /// The same structure under a constant force that its contacts alone can balance.
+    ///
+    /// # Errors
+    /// [`ModelError::Dimension`], [`ModelError::NotFinite`].
+    pub fn with_steady_force(mut self, steady: SteadyForce) -> Result<Self, ModelError> {
+        let expected = self.dofs.len();
+        for (what, found) in [("steady force", steady.force.len()), ("free motions", steady.motions.nrows())] {
+            if found != expected {
+                return Err(ModelError::Dimension { what, expected, found });
+            }
+        }
+        check_finite("steady force on degree of freedom", steady.force.iter().copied())?;
+        self.steady = Some(Arc::new(steady));
+        Ok(self)
     }
 
     /// The same structure with the viscous damping `C` (n × n). Conservative analyses ignore it.
@@ -97,6 +114,11 @@ impl StructuralModel {
     /// Viscous damping matrix `C`, if known.
     pub fn damping(&self) -> Option<&SparseMatrix> {
         self.damping.as_deref()
+    }
+
+    /// The constant force that its contacts alone can balance, if there is one.
+    pub fn steady_force(&self) -> Option<&Arc<SteadyForce>> {
+        self.steady.as_ref()
     }
 
     /// `M`, shared.

@@ -163,6 +163,18 @@ pub enum ReductionError {
         by its stiffness"
     )]
     FloatingRest,
+    /// A load on rigid-body motions that no contact forces balance.
+    #[error("the structure falls away: no forces of its contacts balance the load on it")]
+    FallsAway {
+        /// How it goes: displacements of all degrees of freedom, n, the largest one.
+        motion: Vec<f64>,
+    },
+    /// A load on rigid-body motions that no contact feels.
+    #[error("the structure falls away: the load on it moves it as a rigid body in a way that no contact feels")]
+    FallsUnfelt {
+        /// How it goes: displacements of all degrees of freedom, n, the largest one.
+        motion: Vec<f64>,
+    },
     /// The contact problem of the structure at rest has no solution that stands.
     #[error("contact forces at rest")]
     Rest(#[source] LcpError),

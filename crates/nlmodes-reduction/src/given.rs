@@ -87,6 +87,7 @@ impl OpenModes {
             hourglass_motions: 0,
             directions,
             residual: Residual::Given { flexibility, shift },
+            steady_force: Vec::new(),
             gaps,
             stop_compliance,
         };

@@ -5,7 +5,7 @@ use nlmodes_linalg::{
     CommonMotions, LinalgError, Mat, Modes, Openness, Pencil, SparseMatrix, Written, multiply_many,
     multiply_transposed, sparse_from_triplets, symmetric_eigen, triplets,
 };
-use nlmodes_model::{Contact, MasslessContactModel, StructuralModel};
+use nlmodes_model::{Contact, MasslessContactModel, SteadyForce, StructuralModel};
 
 use crate::residual::{Residual, Solved, blocks, dense_columns};
 use crate::{ModeCount, ReductionError};
@@ -41,6 +41,8 @@ pub struct OpenModes {
     pub(crate) hourglass_motions: usize,
     pub(crate) gaps: Vec<f64>,
     pub(crate) stop_compliance: Vec<f64>,
+    /// Of each mode; zero for elastic ones.
+    pub(crate) steady_force: Vec<f64>,
 }
 
 impl OpenModes {
@@ -114,6 +116,7 @@ impl OpenModes {
             hourglass_motions: common.map_or(0, |common| common.len()),
             directions,
             residual,
+            steady_force: Vec::new(),
             gaps,
             stop_compliance,
         };
@@ -143,7 +146,8 @@ impl OpenModes {
     /// # Errors
     /// As [`OpenModes::new`].
     pub fn of_model(model: &StructuralModel, modes: ModeCount) -> Result<Self, ReductionError> {
-        Self::of_parts(model.shared_mass(), model.shared_stiffness(), model.contacts(), modes)
+        let open = Self::of_parts(model.shared_mass(), model.shared_stiffness(), model.contacts(), modes)?;
+        open.with_force_of(model.steady_force().map(AsRef::as_ref))
     }
 
     /// Reduces `model` with the mass that it left after that of its contact nodes has been taken away.
@@ -152,7 +156,16 @@ impl OpenModes {
     /// As [`OpenModes::new`].
     pub fn of_massless(model: &MasslessContactModel, modes: ModeCount) -> Result<Self, ReductionError> {
         let contacts: Vec<Contact> = model.contacts().iter().copied().map(Contact::from).collect();
-        Self::of_parts(Arc::new(model.mass().clone()), model.shared_stiffness(), &contacts, modes)
+        let open = Self::of_parts(Arc::new(model.mass().clone()), model.shared_stiffness(), &contacts, modes)?;
+        open.with_force_of(model.steady_force())
+    }
+
+    /// The same structure under the constant force that its model has, on its rigid-body motions.
+    fn with_force_of(self, steady: Option<&SteadyForce>) -> Result<Self, ReductionError> {
+        let Some(steady) = steady else { return Ok(self) };
+        let on = |r: usize| steady.force.iter().enumerate().map(|(i, force)| self.shapes[(i, r)] * force).sum();
+        let force = (0..self.n_rigid()).map(on).collect();
+        self.with_steady_force(force)
     }
 
     fn of_parts(
@@ -220,6 +233,7 @@ impl OpenModes {
             }
         }
         fewer.omega_squared.truncate(count);
+        fewer.steady_force.truncate(count);
         fewer.openness = self.openness.of_lowest(count);
         fewer.shapes = self.shapes.subcols(0, count).to_owned();
         fewer.contact_rows = self.contact_rows.subcols(0, count).to_owned();
@@ -234,6 +248,39 @@ impl OpenModes {
     pub fn with_stops(&self, gaps: Vec<f64>, stop_compliance: Vec<f64>) -> Result<Self, ReductionError> {
         check_stops(&self.directions, &gaps, &stop_compliance)?;
         Ok(Self { gaps, stop_compliance, ..self.clone() })
+    }
+
+    /// The same structure under a constant force on its rigid-body motions, `p = Φᵀ f` (N/√kg, one entry for each of
+    /// them), that its contacts alone can balance. Those that no contact feels are left at rest.
+    ///
+    /// # Errors
+    /// [`ReductionError::Dimension`], [`ReductionError::NotFinite`]; [`ReductionError::FallsUnfelt`] for a force on
+    /// motions that no contact feels.
+    pub fn with_steady_force(mut self, mut force: Vec<f64>) -> Result<Self, ReductionError> {
+        same_size("steady forces on rigid-body motions", self.n_rigid(), force.len())?;
+        all_finite("steady force on rigid-body motion", &force)?;
+        let largest = force.iter().fold(0.0_f64, |largest, p| largest.max(p.abs()));
+        let unfelt: Vec<usize> = self.unfelt_motions();
+        if unfelt.iter().any(|&r| force[r].abs() > UNDRIVEN * largest) {
+            return Err(ReductionError::FallsUnfelt { motion: self.combined(&unfelt, &force) });
+        }
+        unfelt.iter().for_each(|&r| force[r] = 0.0);
+        force.resize(self.n_modes(), 0.0);
+        self.steady_force = force;
+        Ok(self)
+    }
+
+    /// Displacements of all degrees of freedom in these modes, each as far as it is driven; the largest is one.
+    pub(crate) fn combined(&self, modes: &[usize], driven: &[f64]) -> Vec<f64> {
+        let of = |i: usize| modes.iter().map(|&r| self.shapes[(i, r)] * driven[r]).sum::<f64>();
+        let moved: Vec<f64> = (0..self.n_dofs()).map(of).collect();
+        let largest = moved.iter().fold(0.0_f64, |largest, v| largest.max(v.abs()));
+        moved.into_iter().map(|v| if largest > 0.0 { v / largest } else { v }).collect()
+    }
+
+    /// The constant force on each mode, `p`, m, N/√kg, zero for elastic ones; empty where there is none.
+    pub fn steady_force(&self) -> &[f64] {
+        &self.steady_force
     }
 
     /// Number of retained modes m.
@@ -314,6 +361,10 @@ impl OpenModes {
         &self.stop_compliance
     }
 }
+
+/// Share of a steady force that may act on motions which no contact feels: digits of files mix some of the others into
+/// these.
+const UNDRIVEN: f64 = 1e-6;
 
 fn factorisation() -> impl FnOnce(LinalgError) -> ReductionError {
     ReductionError::during("factorisation of the open structure")

@@ -1,5 +1,5 @@
 use nlmodes_linalg::{DenseLu, Mat, Triplet, multiply_transposed, sparse_from_triplets};
-use nlmodes_model::{Contact, Dof, DofKind, Side, StructuralModel};
+use nlmodes_model::{Contact, Dof, DofKind, Side, SteadyForce, StructuralModel};
 
 use crate::{OpenModes, ReductionError};
 
@@ -77,7 +77,7 @@ impl ReducedStructure {
         let stiffness = inverse(&a)?;
         let rows = Mat::from_fn(d, m, |i, r| turned[i] * open.contact_rows()[(first[i], r)]);
         let pressed = &stiffness * &rows;
-        let entries = entries(&squares(open, &rows), &rows, &pressed, &stiffness);
+        let entries = entries(&squares(open), &rows, &pressed, &stiffness);
         let failed = ReductionError::during("the reduced structure");
         let k = sparse_from_triplets(m + d, m + d, &entries).map_err(failed)?;
         let units: Vec<Triplet> = (0..m).map(|r| (r, r, 1.0)).collect();
@@ -103,6 +103,29 @@ impl ReducedStructure {
         let contacts = self.model.contacts().iter().zip(gaps);
         let contacts = contacts.map(|(of, &gap)| Contact { gap, ..of.clone() }).collect();
         Ok(Self { model: self.model.clone().with_contacts(contacts)?, ..self.clone() })
+    }
+
+    /// The same structure under the constant force that its open modes have on rigid-body motions.
+    ///
+    /// # Errors
+    /// [`ReductionError::Model`] for open modes of another structure.
+    pub fn with_force_of(&self, open: &OpenModes) -> Result<Self, ReductionError> {
+        if open.steady_force().is_empty() {
+            return Ok(self.clone());
+        }
+        let (m, d) = (self.rows.ncols(), self.rows.nrows());
+        let unfelt = open.unfelt_motions();
+        let felt: Vec<usize> = (0..open.n_rigid()).filter(|r| !unfelt.contains(r)).collect();
+        // u = −(Y η + A f).
+        let moved = |i: usize, r: usize| match i.checked_sub(m) {
+            None => f64::from(u8::from(i == r)),
+            Some(direction) => -self.rows[(direction, r)],
+        };
+        let motions = Mat::from_fn(m + d, felt.len(), |i, k| moved(i, felt[k]));
+        let mut force = open.steady_force().to_vec();
+        force.resize(m + d, 0.0);
+        let model = self.model.clone().with_steady_force(SteadyForce { force, motions })?;
+        Ok(Self { model, ..self.clone() })
     }
 
     /// The structure: modal coordinates, then the displacement of each direction.
@@ -181,17 +204,14 @@ impl ReducedStructure {
 
 /// Square, over that of the first elastic mode, of the frequency that an unfelt motion gets.
 const GAUGE: f64 = 1e-6;
-/// Motion of the contacts over the largest one up to which it is not felt.
-const UNFELT: f64 = 1e-6;
 
-/// `Ω²`. Motions of a structure from files that strain nothing and move no contact are never pushed by one: a small
-/// frequency, far below all others, leaves them at rest and their mean no longer open.
-fn squares(open: &OpenModes, rows: &Mat<f64>) -> Vec<f64> {
-    let (mut squares, strainless) = (open.omega_squared().to_vec(), open.openness().strainless);
-    let Some(&elastic) = squares.get(strainless) else { return squares };
-    let largest = |r: usize| (0..rows.nrows()).map(|i| rows[(i, r)].abs()).fold(0.0, f64::max);
-    let most = (0..squares.len()).map(largest).fold(0.0, f64::max);
-    (0..strainless).filter(|&r| largest(r) <= UNFELT * most).for_each(|r| squares[r] = GAUGE * elastic);
+/// `Ω²`. Rigid-body motions that move no contact are never pushed by one: a small frequency, far below all others,
+/// leaves them at rest and their mean no longer open.
+fn squares(open: &OpenModes) -> Vec<f64> {
+    let mut squares = open.omega_squared().to_vec();
+    squares[..open.n_rigid()].fill(0.0);
+    let Some(&elastic) = squares.get(open.n_rigid()) else { return squares };
+    open.unfelt_motions().into_iter().for_each(|r| squares[r] = GAUGE * elastic);
     squares
 }
 

@@ -1,4 +1,4 @@
-use nlmodes_contact::{LcpMatrix, LcpSolver};
+use nlmodes_contact::{LcpError, LcpMatrix, LcpSolver, balance};
 use nlmodes_linalg::{DenseLu, Mat, symmetric_eigen};
 
 use crate::{ModalLoad, OpenModes, ReductionError};
@@ -15,6 +15,9 @@ const RIGID: f64 = 1e-6;
 /// A motion that moves the contacts by less than this, squared and beside the strongest one, does not move them: modes
 /// have eight digits at least.
 const UNFELT: f64 = 1e-12;
+
+/// Motion of the contacts over the largest one up to which a rigid-body motion is not felt.
+const AT_REST: f64 = 1e-6;
 
 /// A structure at rest against its stops, pressed by interference or by static loads.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -57,14 +60,27 @@ impl OpenModes {
         self.residual.shift() > 0.0
     }
 
+    /// Number of rigid-body motions, which come first among the modes.
+    pub fn n_rigid(&self) -> usize {
+        let elastic = RIGID * self.residual.shift();
+        let rigid = self.omega_squared.iter().take_while(|square| self.floats() && **square <= elastic).count();
+        rigid.max(self.openness.strainless.min(self.n_modes()))
+    }
+
+    /// The rigid-body motions that no contact feels; among those that are felt, none is a combination of them.
+    pub fn unfelt_motions(&self) -> Vec<usize> {
+        let largest = |r: usize| self.contact_rows.col(r).iter().fold(0.0_f64, |largest, y| largest.max(y.abs()));
+        let most = (0..self.n_modes()).map(largest).fold(0.0, f64::max);
+        (0..self.n_rigid()).filter(|&r| largest(r) <= AT_REST * most).collect()
+    }
+
     /// Rigid-body motions among the modes, and how many of them holding all contacts leaves: motions that no contact
     /// feels, `Yᵀ Y` of those modes having no rank for them.
     ///
     /// # Errors
     /// [`ReductionError::Linalg`] if the eigenvalues of that matrix are not found.
     pub fn rigid_motions(&self) -> Result<(usize, usize), ReductionError> {
-        let elastic = RIGID * self.residual.shift();
-        let rigid = self.omega_squared.iter().take_while(|square| self.floats() && **square <= elastic).count();
+        let rigid = self.n_rigid();
         if rigid == 0 {
             return Ok((0, 0));
         }
@@ -84,33 +100,46 @@ impl OpenModes {
     /// F = A + Y Ω⁻² Yᵀ ,   0 ≤ λ ⊥ (F + C) λ + g₀ + Σ (a + Y Ω⁻² p) ≥ 0
     /// ```
     ///
-    /// A structure that floats rests where it is, if no contact interferes and nothing loads it.
+    /// A structure that floats rests where it is, if no contact interferes and nothing loads it; otherwise where its
+    /// contacts balance what acts on its rigid-body motions `r`, `Y_rᵀ λ + p_r = 0`.
     ///
     /// # Errors
-    /// [`ReductionError::FloatingRest`] for one that floats otherwise; [`ReductionError::Rest`] if the contact problem
-    /// cannot be solved.
+    /// [`ReductionError::FloatingRest`] for one that floats and that closed contacts do not hold,
+    /// [`ReductionError::FallsAway`] where no contact forces balance its load; [`ReductionError::Rest`] if the contact
+    /// problem cannot be solved.
     pub fn rest(&self, preload: &[&ModalLoad], solver: &dyn LcpSolver) -> Result<RestState, ReductionError> {
         let (c, m) = (self.n_contacts(), self.n_modes());
-        let is_loaded = preload.iter().any(|load| load.modal.iter().chain(&load.gaps).any(|v| *v != 0.0));
+        let is_loaded = preload.iter().any(|load| load.modal.iter().chain(&load.gaps).any(|v| *v != 0.0))
+            || self.steady_force.iter().any(|p| *p != 0.0);
         if !is_loaded && self.gaps().iter().all(|g| *g > 0.0) {
             let (eta, forces, closed) = (vec![0.0; m], vec![0.0; c], vec![false; c]);
             return Ok(RestState { eta, forces, gaps: self.gaps().to_vec(), closed });
         }
-        if self.floats() {
-            return Err(ReductionError::FloatingRest);
-        }
         let y = self.contact_rows();
         let mut eta: Vec<f64> = (0..m).map(|r| preload.iter().map(|l| l.modal[r]).sum::<f64>()).collect();
-        eta.iter_mut().zip(self.omega_squared()).for_each(|(eta, w)| *eta /= w);
+        let unfelt = self.unfelt_motions();
+        let free: Vec<usize> = (0..self.n_rigid()).filter(|r| !unfelt.contains(r)).collect();
+        let pull = |r: &usize| eta[*r] + self.steady_force.get(*r).copied().unwrap_or(0.0);
+        let pull: Vec<f64> = free.iter().map(pull).collect();
+        eta[..self.n_rigid()].fill(0.0);
+        eta.iter_mut().zip(self.omega_squared()).skip(self.n_rigid()).for_each(|(eta, w)| *eta /= w);
         let modal = |i: usize, eta: &[f64]| eta.iter().enumerate().map(|(r, e)| y[(i, r)] * e).sum::<f64>();
-        let free: Vec<f64> =
+        let opened: Vec<f64> =
             (0..c).map(|i| self.gaps()[i] + preload.iter().map(|l| l.gaps[i]).sum::<f64>() + modal(i, &eta)).collect();
-        let matrix = LcpMatrix::new(&self.static_flexibility()).map_err(ReductionError::Rest)?;
         let (mut closed, mut forces, mut gaps) = (vec![false; c], vec![0.0; c], vec![0.0; c]);
-        let mut workspace = solver.workspace(&matrix).map_err(ReductionError::Rest)?;
-        workspace.solve(&free, &mut closed, &mut forces).map_err(ReductionError::Rest)?;
-        workspace.gaps(&mut gaps).map_err(ReductionError::Rest)?;
-        for (r, eta) in eta.iter_mut().enumerate() {
+        if free.is_empty() {
+            let matrix = LcpMatrix::new(&self.static_flexibility()).map_err(ReductionError::Rest)?;
+            let mut workspace = solver.workspace(&matrix).map_err(ReductionError::Rest)?;
+            workspace.solve(&opened, &mut closed, &mut forces).map_err(ReductionError::Rest)?;
+            workspace.gaps(&mut gaps).map_err(ReductionError::Rest)?;
+        } else {
+            let rows = Mat::from_fn(c, free.len(), |i, r| y[(i, free[r])]);
+            let found = balance(&self.static_flexibility(), &rows, &opened, &pull, solver);
+            let found = found.map_err(|error| self.of_balance(error, &free))?;
+            (closed, forces, gaps) = (found.closed, found.forces, found.gaps);
+            free.iter().zip(found.motion).for_each(|(&r, motion)| eta[r] = motion);
+        }
+        for (r, eta) in eta.iter_mut().enumerate().skip(self.n_rigid()) {
             let pressed: f64 = forces.iter().enumerate().map(|(i, l)| y[(i, r)] * l).sum();
             *eta += pressed / self.omega_squared()[r];
         }
@@ -190,11 +219,24 @@ impl OpenModes {
         (0..modes.omega_squared.len()).map(of).collect()
     }
 
-    /// `F + C = A + Y Ω⁻² Yᵀ + C`, of a structure that does not float.
+    /// Why a structure that floats does not rest.
+    fn of_balance(&self, error: LcpError, free: &[usize]) -> ReductionError {
+        match error {
+            LcpError::Loose => ReductionError::FloatingRest,
+            LcpError::Unbalanced { motion } => {
+                let mut driven = vec![0.0; self.n_modes()];
+                free.iter().zip(motion).for_each(|(&r, motion)| driven[r] = motion);
+                ReductionError::FallsAway { motion: self.combined(free, &driven) }
+            }
+            error => ReductionError::Rest(error),
+        }
+    }
+
+    /// `F + C = A + Y Ω⁻² Yᵀ + C` with the elastic modes.
     fn static_flexibility(&self) -> Mat<f64> {
         let (c, y) = (self.n_contacts(), self.contact_rows());
         Mat::from_fn(c, c, |i, j| {
-            let modes = self.omega_squared().iter().enumerate();
+            let modes = self.omega_squared().iter().enumerate().skip(self.n_rigid());
             let modal: f64 = modes.map(|(r, w)| y[(i, r)] * y[(j, r)] / w).sum();
             self.flexibility()[(i, j)] + modal + if i == j { self.stop_compliance()[i] } else { 0.0 }
         })

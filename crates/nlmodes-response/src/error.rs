@@ -67,6 +67,22 @@ pub enum ResponseError {
         /// Why it went no further.
         why: String,
     },
+    /// A response before contacts that touch at rest is not reached as gaps are closed.
+    #[error(
+        "at {} Hz and level {}: with the contacts that touch at rest set back there is a response, but as they \
+        are closed the way to it ends at a gap of {} m: {why}",
+        hz(omega), rounded(*level, 6), rounded(*left, 3)
+    )]
+    NoStartTouching {
+        /// Frequency of the load, rad/s.
+        omega: f64,
+        /// Level.
+        level: f64,
+        /// Gap that was left, m.
+        left: f64,
+        /// Why it went no further.
+        why: String,
+    },
     /// The end was requested before the first point.
     #[error("it was asked to end before there was a point")]
     Stopped,

@@ -5,6 +5,7 @@ use nlmodes_hbm::{
     DampedStop, ForceLaw, HbmError, Load, LoadTerm, ModalGrazing, ModalStructure, ModeAtRest, PhaseLag, PlacedLaw,
     ResponseRow, modal_grazing, modal_lift_off, modal_start,
 };
+use nlmodes_linalg::Mat;
 use nlmodes_reduction::{OpenModes, RestState};
 use num_complex::Complex64;
 
@@ -12,6 +13,9 @@ use crate::{BaseMotion, BaseUnit, Damping, Dashpot, ResponseError, ResponseSetti
 
 /// A displacement as a sum of degrees of freedom with weights: a node in a direction, or a place between nodes.
 pub type Weights = Vec<(usize, f64)>;
+
+/// Gap at rest over the largest one up to which a contact touches.
+const TOUCHES: f64 = 1e-12;
 
 /// A force of a load.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,14 +55,20 @@ impl ResponseModel {
     /// # Errors
     /// [`ResponseError::Problem`] where a rigid stop meets a contact without flexibility.
     pub fn new(open: OpenModes, damping: &Damping) -> Result<Self, ResponseError> {
+        let (rigid, unfelt) = (open.n_rigid(), open.unfelt_motions());
+        let rows = Mat::from_fn(open.n_contacts(), open.n_modes(), |i, r| {
+            if unfelt.contains(&r) { 0.0 } else { open.contact_rows()[(i, r)] }
+        });
+        let squares = open.omega_squared().iter().enumerate();
         let structure = ModalStructure::new(
-            open.omega_squared().iter().map(|w| w.max(0.0)).collect(),
-            open.contact_rows().clone(),
+            squares.map(|(r, w)| if r < rigid { 0.0 } else { w.max(0.0) }).collect(),
+            rows,
             open.flexibility(),
             open.gaps().to_vec(),
             open.stop_compliance(),
             damping.modal(open.omega_squared()),
-        )?;
+        )?
+        .with_steady_force(open.steady_force().to_vec())?;
         Ok(Self {
             open,
             structure,
@@ -291,12 +301,39 @@ impl ResponseModel {
         Ok(modal_lift_off(&self.structure, at)?)
     }
 
-    /// The state at rest of a structure that its stops press; `None` of one with open contacts.
+    /// The contacts that touch at rest without force.
+    ///
+    /// # Errors
+    /// What the reduction reports of the structure at rest.
+    pub fn touching_at_rest(&self) -> Result<Vec<usize>, ResponseError> {
+        let gaps = self.structure.gaps();
+        let Some(rest) = self.pressed_rest()? else {
+            return Ok((0..gaps.len()).filter(|i| gaps[*i] == 0.0).collect());
+        };
+        let largest = rest.gaps.iter().chain(gaps).fold(0.0_f64, |largest, gap| largest.max(gap.abs()));
+        let touches = |i: &usize| !rest.closed[*i] && rest.gaps[*i].abs() <= TOUCHES * largest;
+        Ok((0..gaps.len()).filter(touches).collect())
+    }
+
+    /// The same structure with these contacts standing back by so much, m.
+    ///
+    /// # Errors
+    /// [`ResponseError::Problem`] for a length that is not finite, or what the reduction reports.
+    pub(crate) fn opened(&self, contacts: &[usize], by: f64) -> Result<Self, ResponseError> {
+        let mut gaps = self.structure.gaps().to_vec();
+        contacts.iter().for_each(|&contact| gaps[contact] += by);
+        let structure = self.structure.with_gaps(gaps.clone())?;
+        let open = self.open.with_stops(gaps, self.open.stop_compliance().to_vec())?;
+        Ok(Self { open, structure, ..self.clone() })
+    }
+
+    /// The state at rest of a structure that its stops press, or that a steady force presses onto them; `None` of one
+    /// with open contacts.
     ///
     /// # Errors
     /// What the reduction reports of it.
     pub(crate) fn pressed_rest(&self) -> Result<Option<RestState>, ResponseError> {
-        if self.structure.gaps().iter().all(|gap| *gap >= 0.0) {
+        if !self.structure.is_pressed() {
             return Ok(None);
         }
         let solver = solver_by_name("active-set").map_err(HbmError::Compliance)?;

@@ -136,6 +136,8 @@ fn one_branch(
     let slid = slid(scene, (&model, open.as_ref()), structures, &mut tree.branches);
     recover(scene, (open.as_ref(), state.as_ref()), &mut tree.branches);
     let stress = Stress::of(scene, open.as_ref(), &[]);
+    let stress_left_out = Stress::left_out(scene, open.as_ref(), 0);
+    stress_left_out.iter().for_each(|text| observer.event(Event::Warning(text)));
     let stressed = match &stress {
         Ok(Some(stress)) => stressed(scene, (stress, open.as_ref()), state.as_ref(), &mut tree.branches),
         _ => Ok(()),
@@ -157,7 +159,13 @@ fn one_branch(
             if let Some(text) = found.and_then(Period::warning) {
                 observer.event(Event::Warning(&text));
             }
-            let about = About { linear: &linear, period: found, open: open.as_ref(), state: state.as_ref() };
+            let about = About {
+                linear: &linear,
+                period: found,
+                open: open.as_ref(),
+                state: state.as_ref(),
+                stress_left_out: stress_left_out.as_deref(),
+            };
             let curves: Vec<&dyn Curve> = curves.iter().map(|curve| curve as &dyn Curve).collect();
             let written = match &laid {
                 Some(laid) => write(scene, &about, (&tree, &curves, &certificates, laid), began),
@@ -333,4 +341,6 @@ struct About<'a> {
     period: Option<&'a Period>,
     open: Option<&'a OpenStructure>,
     state: Option<&'a StaticState>,
+    /// Why stress is not recovered, if only the size of the structure stands in the way.
+    stress_left_out: Option<&'a str>,
 }

@@ -35,6 +35,9 @@ impl Progress {
         }
         let here = [point.omega / TAU, point.kinetic_energy];
         self.last = Some(here);
+        if self.limits.first.is_none() && point.has_event(Event::LiftOff) {
+            self.limits.reference = Event::LiftOff;
+        }
         self.limits.first.get_or_insert(here);
     }
 
@@ -120,6 +123,8 @@ struct Limits {
     start: Start,
     /// Frequency, Hz, and energy of the first point.
     first: Option<[f64; 2]>,
+    /// What the energy counts from: grazing, or the lift-off of a stop that presses.
+    reference: Event,
 }
 
 impl Limits {
@@ -131,6 +136,7 @@ impl Limits {
             points: continuation.max_points,
             start: continuation.start(),
             first: None,
+            reference: Event::Grazing,
         }
     }
 
@@ -144,7 +150,7 @@ impl Limits {
         };
         let of_energy = self.energy_ratio.zip(grazing).map(|(ratio, grazing)| {
             let share = (here_energy / energy).ln() / (ratio * grazing / energy).ln();
-            (share, format!("{} grazing energies", number(ratio)))
+            (share, format!("{} {} energies", number(ratio), self.reference))
         });
         let of_frequency = self.window.into_iter().flatten().map(|end| {
             let share = (here_hz - hz) / (end - hz);
@@ -173,5 +179,29 @@ mod tests {
         assert_eq!(line(1, 3, 9.0), "certificate: harmonics, point 7 (1 of 5), 9 s");
         // Two points took 10 s, three are left.
         assert_eq!(line(3, 10, 19.0), "certificate: harmonics, point 7 (3 of 5), 19 s, this check some 15 s more");
+    }
+
+    /// A branch that begins where a stop that presses is left counts in energies of that.
+    #[test]
+    fn the_way_counts_in_energies_of_what_begins_the_branch() {
+        for (event, word) in [(Event::Grazing, "grazing"), (Event::LiftOff, "lift-off")] {
+            let limits = Limits {
+                energy_ratio: Some(100.0),
+                window: None,
+                points: 1000,
+                start: Start::Grazing,
+                first: None,
+                reference: Event::Grazing,
+            };
+            let mut progress =
+                Progress { began: Instant::now(), points: 0, repeated: 0, last: None, event: String::new(), limits };
+            for energy in [1.0, 10.0] {
+                let events = if energy == 1.0 { vec![event] } else { Vec::new() };
+                progress
+                    .point(&ModalPoint { omega: TAU, kinetic_energy: energy, events, ..ModalPoint::default() }, true);
+            }
+            let line = progress.line();
+            assert!(line.contains(&format!("50 % of the way to 100 {word} energies")), "{line}");
+        }
     }
 }

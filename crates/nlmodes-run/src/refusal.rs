@@ -7,7 +7,7 @@ use nlmodes::hbm::HbmError;
 use nlmodes::model::ModelError;
 use nlmodes::timestep::TimestepError;
 use nlmodes_reduction::OpenModes;
-use nlmodes_scene::assemble::{OpenStructure, Strainless};
+use nlmodes_scene::assemble::{OpenStructure, StaticState, Strainless};
 use nlmodes_scene::doubts::contacts_balance;
 use nlmodes_scene::scene::{Direction, ResponseKind, Scene, SceneStructure, StructureKind};
 use nlmodes_scene::{SceneError, SceneFile, short};
@@ -45,7 +45,8 @@ pub fn unless_held(file: &SceneFile, open: Option<&OpenStructure>) -> Result<(),
 pub fn unless_supported(file: &SceneFile, modes: &OpenModes, open: Option<&OpenStructure>) -> Result<(), RunError> {
     let conservative = file.scene.responses.iter().all(|response| response.kind == ResponseKind::Mode);
     let rigid = modes.rigid_motions().map_or(0, |(rigid, _)| rigid);
-    if conservative || rigid == 0 {
+    // One that a steady force presses onto its contacts has a place at rest.
+    if conservative || rigid == 0 || !modes.steady_force().is_empty() {
         return Ok(());
     }
     // Those of files are known by body, and with what their digits leave open.
@@ -77,6 +78,9 @@ fn bodies(strainless: &Strainless) -> String {
 /// [`RunError`] that says which motions of the structure strain nothing, and what to do.
 pub fn unless_branch(file: &SceneFile, open: Option<&OpenStructure>) -> Result<(), RunError> {
     let (mode, Some(open)) = (file.scene.method.mode, open) else { return Ok(()) };
+    if open.state.as_ref().is_some_and(StaticState::is_carried) {
+        return unless_held_by_weight(file, open);
+    }
     let count = open.strainless.count();
     if count > 0 && mode > count && !contacts_balance(open, count) {
         return unless_held(file, Some(open));
@@ -97,6 +101,28 @@ pub fn unless_branch(file: &SceneFile, open: Option<&OpenStructure>) -> Result<(
     let unseen = open.strainless.unseen_text();
     let help: Vec<&str> = [support(&file.scene)].into_iter().chain(unseen.as_deref()).collect();
     Err(file.error_at("method.mode", &title, &expected, &help).into())
+}
+
+/// About the rest of a structure that its contacts carry, all motions vibrate but those that no contact feels.
+///
+/// # Errors
+/// [`RunError`] that says which mode is the first that vibrates.
+pub fn unless_held_by_weight(file: &SceneFile, open: &OpenStructure) -> Result<(), RunError> {
+    let (mode, unfelt) = (file.scene.method.mode, open.modes.unfelt_motions().len());
+    let Some(state) = open.state.as_ref().filter(|state| state.is_carried() && mode <= unfelt) else { return Ok(()) };
+    let modes = if unfelt == 1 { "one rigid-body motion" } else { "rigid-body motions" };
+    let title =
+        format!("mode {mode} strains nothing: the structure has {modes} that no contact feels, which come first");
+    let closed = open.modes.closed_modes(&state.rest.closed).ok();
+    let first = closed.and_then(|modes| modes.omega_squared.get(unfelt).copied());
+    let expected = first.map_or_else(
+        || "expected a structure with an elastic mode".to_owned(),
+        |square| {
+            let hz = short(nlmodes::report::hertz(square.sqrt()));
+            format!("expected {} or more: that is the first mode on its contacts, {hz} Hz", unfelt + 1)
+        },
+    );
+    Err(file.error_at("method.mode", &title, &expected, &[support(&file.scene)]).into())
 }
 
 /// Where a support would stand.

@@ -111,6 +111,7 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
         Err(failure) => (None, Some(failure)),
     };
     let stress = stress.as_ref();
+    model.stress_left_out(scene).iter().for_each(|text| observer.event(Event::Warning(text)));
     let mut following = Following { scene, model: &model, claim: &claim, journal, observer, curves, stress, failed };
     let not_begun = following.all()?;
     let Following { observer, curves, failed, .. } = following;

@@ -229,12 +229,34 @@ pub enum StructureError {
          buckling, and the stiffness where the stiffness is named"
     )]
     Negative,
-    /// Static loads on a structure that nothing holds.
+    /// Displacements under static loads of a structure that nothing holds.
     #[error(
-        "the structure floats: under `{key}` it does not rest, with its contacts open; expected a support, or a soft \
-        spring to the ground"
+        "the structure floats, so that its displacements under loads with its contacts open are not determined; \
+        expected the loads themselves: [gravity] or [[static_force]]"
     )]
     FloatsUnderLoad {
+        /// The key of the load.
+        key: &'static str,
+    },
+    /// Static loads on a structure that floats, which its contacts cannot balance.
+    #[error(
+        "the structure falls away under `{key}`: {why}{place}; expected a contact on that side, or a support, or a \
+        load that it can carry"
+    )]
+    Falls {
+        /// The key of the load.
+        key: &'static str,
+        /// Why.
+        why: &'static str,
+        /// Where it moves most.
+        place: String,
+    },
+    /// A structure that floats under static loads and rests on too few contacts.
+    #[error(
+        "under `{key}` the structure rests on contacts that do not hold it: it can still roll or tip over them \
+        without strain; expected more contacts below it, or a support"
+    )]
+    Tips {
         /// The key of the load.
         key: &'static str,
     },
@@ -298,9 +320,11 @@ impl StructureError {
             Self::Buckled { .. } | Self::Negative | Self::Digits { .. } => "structure.stiffness".into(),
             Self::Imposed(_) => "structure.modes.frequencies_hz".into(),
             Self::Contact(error) => format!("contact.{}", error.contact),
-            Self::FloatsUnderLoad { key } | Self::StaticFile { key, .. } | Self::StaticRow { key, .. } => {
-                (*key).to_owned()
-            }
+            Self::FloatsUnderLoad { key }
+            | Self::Falls { key, .. }
+            | Self::Tips { key }
+            | Self::StaticFile { key, .. }
+            | Self::StaticRow { key, .. } => (*key).to_owned(),
             Self::StaticForce { force, .. } => format!("static_force.{force}"),
             Self::Rest(_) => "contact".into(),
             Self::Reduction(ReductionError::NoMode { .. } | ReductionError::OnlyRigidModes { .. }) => {

@@ -26,7 +26,9 @@ pub fn of(scene: &Scene, open: &OpenStructure) -> Vec<String> {
     if let Some(elsewhere) = &open.elsewhere {
         return reduced::doubts(elsewhere, open).into_iter().chain(modes::doubts(scene, open)).collect();
     }
-    let (Some(matrices), Some((model, found))) = (scene.structure.matrices(), &open.files) else { return Vec::new() };
+    let (Some(matrices), Some((model, found))) = (scene.structure.matrices(), &open.files) else {
+        return modes::of_bodies(scene, open).into_iter().collect();
+    };
     let skin = model.mesh.as_ref().map(Skin::of_solids).unwrap_or_default();
     let subject = Subject { matrices, model, found, skin: &skin };
     let (scale, mesh) = (scale::doubts(&subject), mesh::doubts(&subject));

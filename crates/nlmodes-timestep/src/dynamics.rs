@@ -22,6 +22,9 @@ const MAX_SEGMENTS: usize = 100_000;
 /// after which the integration fails.
 const PATIENCE: [usize; 2] = [2, 8];
 
+/// Angular frequency over the highest one up to which a mode strains nothing.
+pub(crate) const STRAINLESS: f64 = 1e-7;
+
 /// A structure with massless contact nodes as an ordinary differential equation, propagated exactly from contact
 /// instant to contact instant.
 ///
@@ -144,7 +147,7 @@ impl ContactDynamics {
         Ok((phase.displacement(&at), phase.velocity(&at)))
     }
 
-    /// Kinetic and strain energy, including that of elastic stops, J.
+    /// Kinetic and strain energy, including that of elastic stops and of a steady force, J.
     ///
     /// # Errors
     /// [`TimestepError::Contact`] if the contact problem has no solution there.
@@ -159,9 +162,34 @@ impl ContactDynamics {
         let contacts = self.model.contacts();
         let shape = |i: usize, k: usize| contacts[i].direction() * self.open.shapes[(contacts[i].dof, k)];
         Mat::from_fn(contacts.len(), contacts.len(), |i, j| {
-            let modes = (0..self.n_modes()).map(|k| shape(i, k) * shape(j, k) / self.open.lambda[k]);
+            let elastic = (0..self.n_modes()).filter(|k| !self.falls(*k));
+            let modes = elastic.map(|k| shape(i, k) * shape(j, k) / self.open.lambda[k]);
             a[(i, j)] + modes.sum::<f64>()
         })
+    }
+
+    /// Whether a mode of the open structure is a motion without strain under a steady force.
+    pub(crate) fn falls(&self, k: usize) -> bool {
+        let highest = self.open.omega.last().copied().unwrap_or(0.0);
+        !self.open.push.is_empty() && self.open.omega[k] <= STRAINLESS * highest
+    }
+
+    /// Energy at rest of a structure that a steady force presses onto its contacts, J: the one from which its motions
+    /// are counted; zero of others.
+    ///
+    /// # Errors
+    /// [`TimestepError::Contact`] where it does not rest.
+    pub fn energy_at_rest(&mut self) -> Result<f64, TimestepError> {
+        if self.open.push.is_empty() {
+            return Ok(0.0);
+        }
+        let closed = self.closed_at_rest()?;
+        Ok(self.phase(&closed)?.strain)
+    }
+
+    /// The structure with all contacts open.
+    pub(crate) fn open(&self) -> &Phase {
+        &self.open
     }
 
     /// Accelerations in modal coordinates of the open structure.

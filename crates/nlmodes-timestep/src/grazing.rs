@@ -1,4 +1,4 @@
-use nlmodes_contact::{LcpMatrix, solver_by_name};
+use nlmodes_contact::{LcpMatrix, balance, solver_by_name};
 use nlmodes_linalg::Mat;
 
 use crate::phase::Coordinates;
@@ -61,17 +61,28 @@ impl ContactDynamics {
         })
     }
 
-    /// The contacts preloaded at rest.
-    fn closed_at_rest(&self) -> Result<Vec<bool>, TimestepError> {
+    /// The contacts preloaded at rest, by their gaps or by a steady force.
+    pub(crate) fn closed_at_rest(&self) -> Result<Vec<bool>, TimestepError> {
         let contacts = self.model().contacts();
         let gaps: Vec<f64> = contacts.iter().map(|c| c.gap).collect();
         let (mut closed, mut force) = (vec![false; gaps.len()], vec![0.0; gaps.len()]);
-        if gaps.iter().all(|gap| *gap >= 0.0) {
+        let falls: Vec<usize> = (0..self.n_modes()).filter(|k| self.falls(*k)).collect();
+        if falls.is_empty() && gaps.iter().all(|gap| *gap >= 0.0) {
             return Ok(closed);
         }
         // The whole structure deforms, not only the contact nodes.
         let compliance = self.static_compliance();
         let a = Mat::from_fn(gaps.len(), gaps.len(), |i, j| 0.5 * (compliance[(i, j)] + compliance[(j, i)]));
+        if !falls.is_empty() {
+            // Gaps without forces where nothing but the motions without strain is left, and by these.
+            let free: Vec<f64> = (0..gaps.len()).map(|i| self.open().guard_coefficients(i, 0).0).collect();
+            let felt = |k: &usize| (0..gaps.len()).any(|i| self.open().guard_coefficients(i, *k).1 != 0.0);
+            let falls: Vec<usize> = falls.into_iter().filter(felt).collect();
+            let row = |i: usize, r: usize| self.open().guard_coefficients(i, falls[r]).1;
+            let rows = Mat::from_fn(gaps.len(), falls.len(), row);
+            let push: Vec<f64> = falls.iter().map(|&k| self.open().push[k]).collect();
+            return Ok(balance(&a, &rows, &free, &push, solver_by_name("active-set")?.as_ref())?.closed);
+        }
         solver_by_name("active-set")?.workspace(&LcpMatrix::new(&a)?)?.solve(&gaps, &mut closed, &mut force)?;
         Ok(closed)
     }

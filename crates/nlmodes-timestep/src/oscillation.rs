@@ -1,6 +1,7 @@
 use crate::bracket::falls_below_zero;
 
-/// A guard along a motion: `f(t) = c + Σ_k a_k cos ω_k t + b_k sin(ω_k t)/ω_k`, with `sin(ω t)/ω = t` where `ω = 0`.
+/// A guard along a motion: `f(t) = c + Σ_k a_k cos ω_k t + b_k sin(ω_k t)/ω_k + d_k (1 − cos ω_k t)/ω_k²`, with `t` in
+/// place of `sin(ω t)/ω` and `t²/2` in place of the last factor where `ω = 0`.
 pub(crate) struct Oscillation<'m> {
     /// Squared angular frequencies, rad²/s².
     pub lambda: &'m [f64],
@@ -8,6 +9,8 @@ pub(crate) struct Oscillation<'m> {
     pub omega: &'m [f64],
     pub a: Vec<f64>,
     pub b: Vec<f64>,
+    /// Of modes under a steady force; empty for none.
+    pub d: Vec<f64>,
     pub constant: f64,
 }
 
@@ -18,6 +21,22 @@ pub(crate) fn cosine_and_sine(omega: f64, t: f64) -> (f64, f64) {
     }
     let (sin, cos) = (omega * t).sin_cos();
     (cos, sin / omega)
+}
+
+/// `(1 − cos ωt)/ω² = 2 (sin(ωt/2)/ω)²`.
+pub(crate) fn fall(omega: f64, t: f64) -> f64 {
+    2.0 * cosine_and_sine(omega, 0.5 * t).1.powi(2)
+}
+
+/// `∫ (1 − cos ωt)/ω² dt = (t − sin(ωt)/ω)/ω²` from 0 to `t`: a series where that would be a difference of equal
+/// numbers.
+pub(crate) fn fall_integral(omega: f64, t: f64) -> f64 {
+    let turn = omega * t;
+    if turn.abs() > 0.1 {
+        return (t - turn.sin() / omega) / (omega * omega);
+    }
+    let square = turn * turn;
+    t.powi(3) / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0 * (1.0 - square / 72.0)))
 }
 
 /// Information on the sign of `f` within a cell.
@@ -41,23 +60,33 @@ impl Oscillation<'_> {
             value[1] += self.b[k] * cos - self.a[k] * self.lambda[k] * sin;
             value[2] -= self.lambda[k] * share;
         }
+        for (omega, d) in self.pulled() {
+            let (cos, sin) = cosine_and_sine(omega, t);
+            value[0] += d * fall(omega, t);
+            value[1] += d * sin;
+            value[2] += d * cos;
+        }
         value
+    }
+
+    /// Angular frequencies and `d` of the modes under a steady force.
+    fn pulled(&self) -> impl Iterator<Item = (f64, f64)> {
+        self.omega.iter().copied().zip(self.d.iter().copied()).filter(|(_, d)| *d != 0.0)
     }
 
     /// `∫ f dt` from 0 to `end`.
     pub fn integral(&self, end: f64) -> f64 {
-        let terms = (0..self.omega.len()).map(|k| {
-            // (1 − cos ωt)/ω² = 2 (sin(ωt/2)/ω)², which is t²/2 without a frequency.
-            let [(_, whole), (_, half)] = [end, 0.5 * end].map(|t| cosine_and_sine(self.omega[k], t));
-            self.a[k] * whole + 2.0 * self.b[k] * half * half
-        });
-        self.constant * end + terms.sum::<f64>()
+        let terms = (0..self.omega.len())
+            .map(|k| self.a[k] * cosine_and_sine(self.omega[k], end).1 + self.b[k] * fall(self.omega[k], end));
+        let pulled = self.pulled().map(|(omega, d)| d * fall_integral(omega, end));
+        self.constant * end + terms.sum::<f64>() + pulled.sum::<f64>()
     }
 
     /// Bound of `|f'''|` for all times.
     fn third_derivative(&self) -> f64 {
         let terms = self.lambda.iter().zip(self.omega).zip(self.a.iter().zip(&self.b));
-        terms.map(|((λ, ω), (a, b))| λ * (ω * a).hypot(*b)).sum()
+        let pulled = self.pulled().map(|(omega, d)| omega * d.abs());
+        terms.map(|((λ, ω), (a, b))| λ * (ω * a).hypot(*b)).sum::<f64>() + pulled.sum::<f64>()
     }
 
     /// Sum of the magnitudes of the amplitudes: the scale of rounding errors of `f`.
@@ -102,7 +131,7 @@ impl Oscillation<'_> {
 
     /// `−f`.
     pub fn negated(mut self) -> Self {
-        self.a.iter_mut().chain(&mut self.b).for_each(|x| *x = -*x);
+        self.a.iter_mut().chain(&mut self.b).chain(&mut self.d).for_each(|x| *x = -*x);
         self.constant = -self.constant;
         self
     }
@@ -175,7 +204,8 @@ mod tests {
 
     fn first(lambda: &[f64], a: &[f64], b: &[f64], constant: f64, end: f64) -> Option<f64> {
         let omega: Vec<f64> = lambda.iter().map(|λ| λ.sqrt()).collect();
-        Oscillation { lambda, omega: &omega, a: a.to_vec(), b: b.to_vec(), constant }.first_negative(end)
+        let (a, b) = (a.to_vec(), b.to_vec());
+        Oscillation { lambda, omega: &omega, a, b, d: Vec::new(), constant }.first_negative(end)
     }
 
     #[test]
@@ -255,7 +285,7 @@ mod tests {
 
     /// `1 + 2 t` beside `0.5 cos 3t − 0.7 sin 3t`, with all closed forms.
     fn mixed<'m>(lambda: &'m [f64], omega: &'m [f64]) -> Oscillation<'m> {
-        Oscillation { lambda, omega, a: vec![0.4, 0.5], b: vec![2.0, -2.1], constant: 0.6 }
+        Oscillation { lambda, omega, a: vec![0.4, 0.5], b: vec![2.0, -2.1], d: Vec::new(), constant: 0.6 }
     }
 
     #[test]
@@ -278,7 +308,10 @@ mod tests {
     #[test]
     fn the_lowest_value_is_at_an_end_or_where_the_slope_rises_through_zero() {
         let omega = [2.0];
-        let of = |a: f64, b: f64| Oscillation { lambda: &[4.0], omega: &omega, a: vec![a], b: vec![b], constant: 0.25 };
+        let of = |a: f64, b: f64| {
+            let (a, b) = (vec![a], vec![b]);
+            Oscillation { lambda: &[4.0], omega: &omega, a, b, d: Vec::new(), constant: 0.25 }
+        };
         // cos 2t up to its minimum, at π/2, and before.
         for (end, expected) in [(0.5, 1.0_f64.cos()), (1.5, 3.0_f64.cos()), (1.6, -1.0), (40.0, -1.0)] {
             assert!((of(1.0, 0.0).lowest(end) - 0.25 - expected).abs() < 1e-12, "{end}: {}", of(1.0, 0.0).lowest(end));

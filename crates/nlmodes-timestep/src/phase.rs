@@ -3,7 +3,7 @@ use nlmodes_linalg::{Mat, multiply, multiply_many};
 use nlmodes_model::MasslessContactModel;
 
 use crate::TimestepError;
-use crate::oscillation::{Oscillation, cosine_and_sine};
+use crate::oscillation::{Oscillation, cosine_and_sine, fall};
 use crate::restrained::Restrained;
 
 /// The structure as long as one set of contacts is closed: a linear system whose modes are computed once.
@@ -11,6 +11,9 @@ use crate::restrained::Restrained;
 /// ```text
 /// q = q_s + Φ u ,   ü_k + λ_k u_k = 0 ,   Φᵀ M Φ = I
 /// ```
+///
+/// A steady force on motions without strain, `p_k = φ_kᵀ f`, has no equilibrium: there `ü_k + λ_k u_k = p_k`, `λ_k`
+/// zero up to rounding.
 ///
 /// Degrees of freedom at closed rigid stops are fixed there, springs of closed elastic stops are part of the structure,
 /// and free massless degrees of freedom follow statically; `q_s` is the static equilibrium of this system.
@@ -24,8 +27,10 @@ pub(crate) struct Phase {
     pub shapes: Mat<f64>,
     /// `q_s`, n.
     pub offset: Vec<f64>,
-    /// Strain energy at `q_s`, with that of elastic stops, J.
+    /// Strain energy at `q_s`, with that of elastic stops and of a steady force, J.
     pub strain: f64,
+    /// `p_k`, m; empty where nothing falls.
+    pub push: Vec<f64>,
     /// `u = T z − o`, with `z` the modal coordinates of the open structure: `T = Φᵀ M Φ_0`, orthogonal, and
     /// `o = Φᵀ M q_s`.
     pub turn: Mat<f64>,
@@ -84,6 +89,7 @@ impl Phase {
             closed: closed.to_vec(),
             lambda: modes.omega.iter().map(|ω| ω * ω).collect(),
             strain: restrained.strain(&offset),
+            push: restrained.push(&modes),
             guards: (0..closed.len()).map(guard).collect(),
             forces: (0..closed.len()).map(|i| combine(&free_gaps, |j| response.lambda[(i, j)])).collect(),
             omega: modes.omega,
@@ -115,19 +121,24 @@ impl Phase {
             to.u[k] = from.u[k] * cos + from.v[k] * sin;
             to.v[k] = from.v[k] * cos - self.lambda[k] * sin * from.u[k];
         }
+        for (k, push) in self.push.iter().enumerate().filter(|(_, push)| **push != 0.0) {
+            to.u[k] += push * fall(self.omega[k], t);
+            to.v[k] += push * cosine_and_sine(self.omega[k], t).1;
+        }
         to
     }
 
     /// Accelerations `z̈` in modal coordinates of the open structure.
     pub fn acceleration(&self, at: &Coordinates) -> Vec<f64> {
-        let own: Vec<f64> = self.lambda.iter().zip(&at.u).map(|(λ, u)| -λ * u).collect();
+        let mut own: Vec<f64> = self.lambda.iter().zip(&at.u).map(|(λ, u)| -λ * u).collect();
+        own.iter_mut().zip(&self.push).for_each(|(own, push)| *own += push);
         transposed_product(&self.turn, &own)
     }
 
-    /// Kinetic and strain energy, including that of elastic stops, J.
+    /// Kinetic and strain energy, including that of elastic stops and of a steady force, J.
     pub fn energy(&self, at: &Coordinates) -> f64 {
         let terms = self.lambda.iter().zip(at.u.iter().zip(&at.v));
-        self.strain + 0.5 * terms.map(|(λ, (u, v))| v * v + λ * u * u).sum::<f64>()
+        self.strain + 0.5 * terms.map(|(λ, (u, v))| v * v + λ * u * u).sum::<f64>() - dot(&self.push, &at.u)
     }
 
     /// Displacements of all degrees of freedom.
@@ -165,7 +176,8 @@ impl Phase {
     fn motion_of(&self, row: &Row, at: &Coordinates) -> Oscillation<'_> {
         let Row { coefficients, constant } = row;
         let times = |x: &[f64]| coefficients.iter().zip(x).map(|(r, x)| r * x).collect();
-        Oscillation { lambda: &self.lambda, omega: &self.omega, a: times(&at.u), b: times(&at.v), constant: *constant }
+        let (lambda, omega, constant) = (&self.lambda, &self.omega, *constant);
+        Oscillation { lambda, omega, a: times(&at.u), b: times(&at.v), d: times(&self.push), constant }
     }
 }
 

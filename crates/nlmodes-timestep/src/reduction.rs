@@ -1,6 +1,7 @@
 use nlmodes_linalg::{Mat, SparseMatrix, bilinear, multiply, multiply_many, sparse_from_triplets, symmetric_eigen};
 use nlmodes_model::{
-    Contact, ContactCoordinates, ContactLaw, Dof, DofContact, DofKind, Drop, MasslessContactModel, StructuralModel,
+    Contact, ContactCoordinates, ContactLaw, Dof, DofContact, DofKind, Drop, MasslessContactModel, SteadyForce,
+    StructuralModel,
 };
 use nlmodes_reduction::HeldModes;
 
@@ -56,7 +57,8 @@ impl GalerkinReduction {
             Some(r) => correction[(i, r)],
             None => shapes[(i, k)],
         });
-        let model = reduced_model(&full, &lambda, &(basis.transpose() * full.k_ln()))?;
+        let steady = full.steady_force().map(|steady| on_basis(&full, steady, &basis));
+        let model = reduced_model(&full, &lambda, &(basis.transpose() * full.k_ln()), steady)?;
         Ok(Self { full, model, basis: Some(basis), kept: n_kept, available })
     }
 
@@ -162,6 +164,7 @@ fn reduced_model(
     full: &MasslessContactModel,
     lambda: &[f64],
     g: &Mat<f64>,
+    steady: Option<SteadyForce>,
 ) -> Result<MasslessContactModel, TimestepError> {
     let statics = full.k_nn();
     let (m, n_n) = (lambda.len(), statics.nrows());
@@ -178,7 +181,25 @@ fn reduced_model(
     let mode = |k: usize| Dof { node: k, position: 0.0, kind: DofKind::Deflection };
     let nodes = full.contact_dofs().iter().map(|&dof| full.dofs()[dof]);
     let dofs = (0..m).map(mode).chain(nodes).collect();
-    Ok(MasslessContactModel::new(&StructuralModel::new(mass, stiffness, dofs, contacts(full, m))?, &Drop)?)
+    let mut model = StructuralModel::new(mass, stiffness, dofs, contacts(full, m))?;
+    if let Some(steady) = steady {
+        model = model.with_steady_force(steady)?;
+    }
+    Ok(MasslessContactModel::new(&model, &Drop)?)
+}
+
+/// A steady force in the coordinates of the reduced structure: `Bᵀ f`, and `Bᵀ M R` of its motions.
+fn on_basis(full: &MasslessContactModel, steady: &SteadyForce, basis: &Mat<f64>) -> SteadyForce {
+    let linear = steady.at(full.linear_dofs());
+    let inertia = basis.transpose() * multiply_many(full.m_ll(), &linear.motions);
+    let (m, nodes) = (basis.ncols(), steady.at(full.contact_dofs()).motions);
+    let mut force = transposed_product(basis, &linear.force);
+    force.resize(m + nodes.nrows(), 0.0);
+    let motions = Mat::from_fn(m + nodes.nrows(), nodes.ncols(), |i, r| match i.checked_sub(m) {
+        None => inertia[(i, r)],
+        Some(node) => nodes[(node, r)],
+    });
+    SteadyForce { force, motions }
 }
 
 /// The contacts at the coordinates of the reduced structure; the tip of a contact spring meets a rigid wall.

@@ -2,6 +2,7 @@ use nlmodes_linalg::{Mat, SparseCholesky, SparseMatrix, bilinear, multiply, sele
 use nlmodes_model::{ContactCoordinates, ContactLaw, LinearModes, MasslessContactModel, linear_modes};
 
 use crate::TimestepError;
+use crate::dynamics::STRAINLESS;
 use crate::phase::{column, dot};
 
 /// The structure with the closed contacts of a phase.
@@ -53,8 +54,8 @@ impl<'m> Restrained<'m> {
 
     /// Static equilibrium of all degrees of freedom.
     ///
-    /// If a rigid motion remains, the load does no work on it, since fixed degrees of freedom and springs do not move
-    /// in it.
+    /// If a rigid motion remains, fixed degrees of freedom and springs do no work on it, since they do not move in it;
+    /// what a steady force does is [`push`](Self::push).
     pub fn equilibrium(&self, modes: &LinearModes) -> Result<Vec<f64>, TimestepError> {
         let n = self.model.dofs().len();
         let mut q = vec![0.0; n];
@@ -62,13 +63,15 @@ impl<'m> Restrained<'m> {
         let mut load = multiply(&self.stiffness, &q);
         load.iter_mut().for_each(|f| *f = -*f);
         self.springs.iter().for_each(|&(dof, k, place)| load[dof] += k * place);
+        self.steady().iter().enumerate().for_each(|(dof, force)| load[dof] += force);
         let mut x: Vec<f64> = self.free.iter().map(|&i| load[i]).collect();
         if x.iter().all(|f| *f == 0.0) {
             return Ok(q);
         }
+        let is_held = self.push(modes).iter().all(|push| *push == 0.0);
         match SparseCholesky::factor(&self.free_stiffness()?, "stiffness with closed contacts") {
-            Ok(factor) => factor.solve_in_place(&mut x),
-            Err(_) => x = self.modal_equilibrium(modes, &x)?,
+            Ok(factor) if is_held => factor.solve_in_place(&mut x),
+            _ => x = self.modal_equilibrium(modes, &x)?,
         }
         self.free.iter().zip(&x).for_each(|(&dof, x)| q[dof] = *x);
         Ok(q)
@@ -76,9 +79,8 @@ impl<'m> Restrained<'m> {
 
     /// The equilibrium without rigid motion, from the elastic modes and the massless degrees of freedom.
     fn modal_equilibrium(&self, modes: &LinearModes, load: &[f64]) -> Result<Vec<f64>, TimestepError> {
-        let is_elastic = |k: &usize| modes.omega.last().is_some_and(|highest| modes.omega[*k] > 1e-7 * highest);
         let mut x = vec![0.0; load.len()];
-        for k in (0..modes.omega.len()).filter(is_elastic) {
+        for k in (0..modes.omega.len()).filter(|k| is_elastic(modes, *k)) {
             let shape = column(&modes.shapes, k);
             let coordinate = dot(shape, load) / (modes.omega[k] * modes.omega[k]);
             x.iter_mut().zip(shape).for_each(|(x, s)| *x += coordinate * s);
@@ -96,6 +98,23 @@ impl<'m> Restrained<'m> {
         Ok(x)
     }
 
+    fn steady(&self) -> &[f64] {
+        self.model.steady_force().map_or(&[], |steady| &steady.force)
+    }
+
+    /// Steady force on each motion without strain, `φᵀ f`; zero for elastic modes, empty without such a force.
+    pub fn push(&self, modes: &LinearModes) -> Vec<f64> {
+        let steady = self.steady();
+        if steady.is_empty() {
+            return Vec::new();
+        }
+        let on = |k: usize| -> f64 {
+            let shape = column(&modes.shapes, k);
+            self.free.iter().zip(shape).map(|(&dof, s)| steady[dof] * s).sum()
+        };
+        (0..modes.omega.len()).map(|k| if is_elastic(modes, k) { 0.0 } else { on(k) }).collect()
+    }
+
     /// Zero rows for fixed degrees of freedom.
     pub fn on_all(&self, shapes: &Mat<f64>) -> Mat<f64> {
         let mut all = Mat::zeros(self.model.dofs().len(), shapes.ncols());
@@ -105,9 +124,14 @@ impl<'m> Restrained<'m> {
         all
     }
 
-    /// Strain energy of the structure and of the closed stops' springs.
+    /// Strain energy of the structure and of the closed stops' springs, with the energy of a steady force.
     pub fn strain(&self, q: &[f64]) -> f64 {
         let springs: f64 = self.springs.iter().map(|&(dof, k, place)| k * (q[dof] - place).powi(2)).sum();
-        0.5 * (bilinear(q, self.model.stiffness(), q) + springs)
+        0.5 * (bilinear(q, self.model.stiffness(), q) + springs) - dot(self.steady(), q)
     }
+}
+
+/// Whether a mode strains anything.
+pub(crate) fn is_elastic(modes: &LinearModes, k: usize) -> bool {
+    modes.omega.last().is_some_and(|highest| modes.omega[k] > STRAINLESS * highest)
 }

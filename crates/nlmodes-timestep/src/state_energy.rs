@@ -16,8 +16,8 @@ use crate::dynamics::contact_body;
 /// E = ½ q̇_Lᵀ M_LL q̇_L + ½ qᵀ K q + ½ λᵀ C λ ,   q_N = b + K_NN⁻¹ W λ ,   0 ≤ λ ⊥ A λ + Wᵀ b + g₀ ≥ 0 ,   b = −K_NN⁻¹ K_NL q_L
 /// ```
 ///
-/// Energies in J, displacements in m, velocities in m/s. No mode is computed, unlike in
-/// [`ContactDynamics`](crate::ContactDynamics).
+/// and `−fᵀ q` of a steady force `f`. Energies in J, displacements in m, velocities in m/s. No mode is computed,
+/// unlike in [`ContactDynamics`](crate::ContactDynamics).
 pub struct StateEnergy<'m> {
     model: &'m MasslessContactModel,
     k_nn: DenseLu,
@@ -86,6 +86,9 @@ impl<'m> StateEnergy<'m> {
         // K_NN q_N = W λ − K_NL q_L.
         let of_contacts: f64 = q_n.iter().zip(force.iter().zip(&coupled)).map(|(q, (f, c))| q * (f + c)).sum();
         let of_stops: f64 = lambda.iter().zip(model.stop_compliance()).map(|(λ, c)| c * λ * λ).sum();
-        Ok(0.5 * (bilinear(v, model.m_ll(), v) + bilinear(q, model.k_ll(), q) + of_contacts + of_stops))
+        let steady = model.steady_force().map_or(0.0, |steady| {
+            model.linear_dofs().iter().zip(q).map(|(&dof, q)| steady.force[dof] * q).sum::<f64>()
+        });
+        Ok(0.5 * (bilinear(v, model.m_ll(), v) + bilinear(q, model.k_ll(), q) + of_contacts + of_stops) - steady)
     }
 }

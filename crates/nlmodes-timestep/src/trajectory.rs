@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use nlmodes_linalg::Mat;
 
-use crate::oscillation::cosine_and_sine;
+use crate::oscillation::{cosine_and_sine, fall_integral};
 use crate::phase::{Coordinates, Phase};
 
 /// Displacements and velocities in modal coordinates of the open structure: `q = Φ z` where it is open, with `Φᵀ M Φ =
@@ -141,10 +141,21 @@ impl Segment {
         [0.5 * λ * (length - squared_cosine), -0.5 * λ * sin * sin, 0.5 * squared_cosine]
     }
 
+    /// What a steady force adds to that, with the speed `p sin(ωt)/ω`: the factors of `u` and `v`, and what is alone.
+    fn kinetic_push(&self, k: usize) -> [f64; 3] {
+        let (λ, length) = (self.phase.lambda[k], self.to - self.from);
+        let push = self.phase.push.get(k).copied().filter(|push| *push != 0.0);
+        let Some(push) = push else { return [0.0; 3] };
+        let (omega, squared_sine) = (self.phase.omega[k], 2.0 * fall_integral(2.0 * self.phase.omega[k], length));
+        let sin = cosine_and_sine(omega, length).1;
+        [-push * λ * squared_sine, 0.5 * push * sin * sin, 0.5 * push * push * squared_sine]
+    }
+
     fn kinetic_integral(&self) -> f64 {
         let of = |k: usize| {
             let ([uu, uv, vv], u, v) = (self.kinetic_form(k), self.start.u[k], self.start.v[k]);
-            uu * u * u + uv * u * v + vv * v * v
+            let [of_u, of_v, own] = self.kinetic_push(k);
+            uu * u * u + uv * u * v + vv * v * v + of_u * u + of_v * v + own
         };
         (0..self.start.u.len()).map(of).sum()
     }
@@ -152,6 +163,7 @@ impl Segment {
     /// Derivatives of the integral with respect to coordinate and rate of mode `k` at the beginning.
     pub fn kinetic_gradient(&self, k: usize) -> [f64; 2] {
         let ([uu, uv, vv], u, v) = (self.kinetic_form(k), self.start.u[k], self.start.v[k]);
-        [2.0 * uu * u + uv * v, uv * u + 2.0 * vv * v]
+        let [of_u, of_v, _] = self.kinetic_push(k);
+        [2.0 * uu * u + uv * v + of_u, uv * u + 2.0 * vv * v + of_v]
     }
 }

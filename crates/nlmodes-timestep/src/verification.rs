@@ -12,7 +12,7 @@ const SAMPLES: usize = 512;
 pub struct Verification {
     /// The period, s.
     pub period: f64,
-    /// Energy at the beginning, kinetic and strain, J.
+    /// Energy at the beginning, kinetic and strain, J; under a steady force above that at rest.
     pub energy: f64,
     /// `√(‖Δ‖² / E)` with `‖Δ‖² = ½ Δvᵀ M Δv + ½ Δqᵀ K Δq` of the difference from the initial state, contacts open.
     pub energy_norm: f64,
@@ -39,7 +39,8 @@ impl Verification {
     /// Errors of [`ContactDynamics::propagate`]; [`TimestepError::NotPositive`] if there is no energy.
     pub fn new(dynamics: &mut ContactDynamics, state: &ModalState, period: f64) -> Result<Self, TimestepError> {
         let trajectory = dynamics.propagate(state, period)?;
-        let energies = trajectory.energies();
+        let at_rest = dynamics.energy_at_rest()?;
+        let energies: Vec<f64> = trajectory.energies().iter().map(|energy| energy - at_rest).collect();
         let energy = energies.first().copied().unwrap_or(0.0);
         if !(energy.is_finite() && energy > 0.0) {
             return Err(TimestepError::NotPositive { what: "energy of the motion (J)", value: energy });

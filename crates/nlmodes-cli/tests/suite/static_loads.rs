@@ -239,8 +239,8 @@ fn loads_that_do_not_fit_are_refused() -> Outcome {
     let free = ROD.replace("start = \"clamped\"", "start = \"free\"");
     let held = free.replace("harmonics = 3", "harmonics = 3\nmass_redistribution = \"drop\"");
     let cases = [
-        (format!("{held}[gravity]\n"), "the structure floats: under `gravity`"),
-        (format!("{free}[gravity]\n"), "the structure floats: under `gravity`"),
+        (format!("{held}[gravity]\nside = \"negative\"\n"), "the structure falls away under `gravity`"),
+        (format!("{free}[gravity]\nside = \"negative\"\n"), "the structure falls away under `gravity`"),
         (format!("{ROD}[thermal]\nexpansion_1_k = 1.2e-5\n"), "`thermal` is not complete"),
         (format!("{ROD}[static_displacement]\nfile = \"u.csv\"\n"), "is of a structure from files"),
         (format!("{ROD}[[static_force]]\nnodes = [3]\nforce_n = 1.0\n"), "are nodes of a structure from files"),
@@ -308,5 +308,125 @@ fn structures_from_files_take_loads_in_four_ways() -> Outcome {
         let (code, said) = call("check", &scene(&folder, &format!("{structure}{load}"))?, &[])?;
         assert!(code == Some(2) && said.contains(wanted), "{code:?} {said}");
     }
+    Ok(())
+}
+
+/// Frequency and averaged kinetic energy of a mass m on a spring k under the weight w, of this amplitude about rest: on
+/// the spring until `cos ωt = −w/(k a)`, then free.
+fn bounce([m, k, w]: [f64; 3], amplitude: f64) -> [f64; 2] {
+    let (omega, g) = ((k / m).sqrt(), w / m);
+    let pressed = (-w / (k * amplitude)).acos() / omega;
+    let speed = amplitude * omega * (omega * pressed).sin();
+    let half = pressed + speed / g;
+    let on_spring = (amplitude * omega).powi(2) * (0.5 * pressed - (2.0 * omega * pressed).sin() / (4.0 * omega));
+    [std::f64::consts::PI / half, 0.5 * m * (on_spring + speed.powi(3) / (3.0 * g)) / half]
+}
+
+/// A mass of 1 kg and 10 N, with a second mode that its row does not see, on an elastic stop.
+const MASS: &str = "[structure]\nkind = \"reduced\"\nfrequencies_hz = [0.0, 1000.0]\ncontact_rows = [[1.0, 0.0]]\n\
+    residual_flexibility_m_n = [[0.0]]\n[[static_force]]\nrow = 1\nforce_n = -10.0\n\
+    [[contact]]\nrow = 1\nside = \"negative\"\ngap_m = 0.0\nstiffness_n_m = 1000.0\n\
+    [method]\nharmonics = 40\n[continuation]\nmax_energy_ratio = 15.0\n";
+
+#[test]
+fn a_mass_bounces_on_its_stop() -> Outcome {
+    let (folder, summary) = run(MASS, &[])?;
+    let rest = &summary["rest"][0];
+    assert!((number(&rest["force_n"]) - 10.0).abs() < 1e-9 && rest["closed"] == true, "{rest}");
+    assert_eq!(summary["events"][0]["event"].as_str(), Some("lift-off"));
+    let rows = rows(&folder)?;
+    let first = &rows[0];
+    assert!(
+        (first["energy_j"] / 0.025 - 1.0).abs() < 1e-9 && (first["frequency_hz"] / 5.032_921_210_45 - 1.0).abs() < 1e-9
+    );
+    for row in &rows[1..] {
+        // Counted from rest: ½ k a² of the amplitude a about it.
+        let amplitude = (row["total_energy_j"] / 500.0).sqrt();
+        let [omega, energy] = bounce([1.0, 1000.0, 10.0], amplitude);
+        assert!((row["frequency_hz"] * std::f64::consts::TAU / omega - 1.0).abs() < 1e-7, "{row:?}");
+        assert!((row["energy_j"] / energy - 1.0).abs() < 1e-6, "{row:?}");
+        assert!((row["peak_contact_force_n"] / (10.0 + 1000.0 * amplitude) - 1.0).abs() < 1e-5, "{row:?}");
+    }
+    let (code, said) = call("verify", &folder.path().join("out"), &["--point", &(rows.len() - 1).to_string()])?;
+    assert!(code == Some(0), "{said}");
+    Ok(())
+}
+
+/// A free rod on its end: as one that is fixed there it begins at `c/4L`, in free-interface modes and in those of the
+/// paper; and its damped mode and its response begin where that does, with powers in balance.
+#[test]
+fn a_rod_bounces_on_its_end() -> Outcome {
+    let text = ROD
+        .replace("start = \"clamped\"", "start = \"free\"")
+        .replace("side = \"positive\"", "side = \"negative\"")
+        .replace("at_m = 1.0", "at_m = 0.0")
+        .replace("max_energy_ratio = 1.5", "max_energy_ratio = 1.002")
+        + "[gravity]\nside = \"negative\"\ndirection = \"axial\"\nacceleration_m_s2 = 10.0\n";
+    let quarter = (2.1e11_f64 / 7800.0).sqrt() / 4.0;
+    for set in ["method.mode=1", "method.mass_redistribution=\"drop\""] {
+        let (folder, summary) = run(&text, &[set])?;
+        // The whole weight is carried, that of the contact node too.
+        assert!((number(&summary["rest"][0]["force_n"]) / 7.8 - 1.0).abs() < 1e-9, "{}", summary["rest"]);
+        let rows = rows(&folder)?;
+        assert!((rows[0]["frequency_hz"] / quarter - 1.0).abs() < 5e-3, "{:?}", rows[0]);
+        // It stands where it falls to, 0.4 mm below the drawing.
+        assert!((rows[0]["peak_m"] / 0.4e-3 - 1.0).abs() < 1e-6, "{:?}", rows[0]);
+        let (_, said) = call("check", &folder.path().join("scene.toml"), &[])?;
+        assert!(said.contains("which carry the structure") && said.contains("from lift-off"), "{said}");
+        assert!(said.contains("stop 0: gap 0.0004 m in the drawing; closed, 7.8 N"), "{said}");
+    }
+    let damped = text.replace("max_energy_ratio = 1.002", "max_energy_ratio = 1.5")
+        + "[damping]\nratio = 0.02\n[[force]]\nat_m = 1.0\n[output]\nstability = \"never\"\n\
+        [[response]]\nkind = \"damped-mode\"\n\
+        [[response]]\nkind = \"frequency\"\nfrequency_hz = [1100.0, 1500.0]\nlevels_n = [0.1, 1.0]\n";
+    let (folder, summary) = run(&damped, &[])?;
+    let all = rows(&folder)?;
+    let of = |curve: f64| all.iter().filter(|row| row["curve"] == curve).collect::<Vec<_>>();
+    assert!((of(0.0)[0]["frequency_hz"] / quarter - 1.0).abs() < 5e-3);
+    assert!(of(1.0).iter().all(|row| row["contact_fraction"] == 1.0), "0.1 N lets go of nothing");
+    assert!(of(2.0).iter().any(|row| row["contact_fraction"] < 0.95), "1 N does");
+    assert!(number(&summary["largest_power_imbalance"]) < 1e-6, "{}", summary["largest_power_imbalance"]);
+    Ok(())
+}
+
+/// A free beam of 20 kg/m on supports, which move it across alone: along its axis it is left at rest, or refused where
+/// something pushes it there.
+#[test]
+fn a_free_beam_lies_on_its_supports_or_falls() -> Outcome {
+    let beam = |supports: &str| {
+        format!(
+            "[structure]\nkind = \"beam\"\nlength_m = 2.0\nelements = 16\nstart = \"free\"\n\
+             material = {{ youngs_modulus_pa = 2.1e11, density_kg_m3 = 7800.0, poissons_ratio = 0.3 }}\n\
+             section = {{ width_m = 0.04, height_m = 0.03 }}\n{supports}\
+             [method]\nmode = 2\nharmonics = 3\n[continuation]\nmax_energy_ratio = 1.01\n"
+        )
+    };
+    let support = |at: f64, side: &str| {
+        format!("[[contact]]\nat_m = {at}\ndirection = \"transverse\"\nside = \"{side}\"\ngap_m = 0.0\n")
+    };
+    let below = |places: &[f64]| places.iter().map(|at| support(*at, "negative")).collect::<String>();
+    // Two supports a quarter and three eighths from the middle carry it as a lever says.
+    let (folder, summary) = run(&(beam(&below(&[0.5, 1.75])) + WEIGHT), &[])?;
+    let (weight, rest) = (7800.0 * 0.04 * 0.03 * 2.0 * 9.81, &summary["rest"]);
+    let carried = [0, 1].map(|i| number(&rest[i]["force_n"]) / weight);
+    assert!((carried[0] - 0.6).abs() < 1e-9 && (carried[1] - 0.4).abs() < 1e-9, "{rest}");
+    assert_eq!(rows(&folder)?[0]["contact_fraction"], 1.0);
+    for (supports, mode, wanted) in [
+        (below(&[0.5, 1.75]), 1, "that is the first mode on its contacts"),
+        (below(&[0.25, 0.75]), 2, "no forces of its contacts balance the load"),
+        (below(&[1.0]), 2, "rigid-body motions that no contact feels, which come first"),
+        (below(&[1.0]) + &below(&[1.75]).replace("0.0\n", "0.01\n"), 2, "it can still roll or tip over them"),
+        (support(0.5, "positive") + &support(1.5, "positive"), 2, "no forces of its contacts balance the load"),
+    ] {
+        let folder = tempdir()?;
+        let text = beam(&supports).replace("mode = 2", &format!("mode = {mode}")) + WEIGHT;
+        let (code, said) = call("check", &scene(&folder, &text)?, &[])?;
+        assert!(code == Some(2) && said.contains(wanted), "{code:?} {wanted}: {said}");
+    }
+    let pushed =
+        beam(&below(&[0.5, 1.75])) + WEIGHT + "[[static_force]]\nat_m = 1.0\ndirection = \"axial\"\nforce_n = 1.0\n";
+    let folder = tempdir()?;
+    let (code, said) = call("check", &scene(&folder, &pushed)?, &[])?;
+    assert!(code == Some(2) && said.contains("in a way that no contact feels") && said.contains("axial"), "{said}");
     Ok(())
 }

@@ -47,6 +47,9 @@ impl MixedShooting<'_> {
                     entries[e * width + other] += unfolding * rotate;
                 }
             }
+            if m == 0 {
+                value -= self.structure.statics.lift.get(d).copied().unwrap_or(0.0);
+            }
             if let Some(opening) = &self.opening {
                 let moved = (0..n).map(|e| plane.b[d * n + e] * opening.dq[e * width + m]).sum::<f64>();
                 out.jacobian[(row, out.residual.len())] = -moved * scale;

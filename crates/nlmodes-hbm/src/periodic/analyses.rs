@@ -82,7 +82,8 @@ impl PeriodicSystem {
             Symmetry::Even => Closing { xi: Source::Fixed(0.0), ..free_motion(scales, vec![Box::new(energy(scales))]) },
             Symmetry::None => free_motion(scales, vec![Box::new(energy(scales)), Box::<PhaseCondition>::default()]),
         };
-        Self::assemble(undamped, Load::default(), closing, (settings, symmetry), scales, solver)
+        let load = Load::none(&undamped);
+        Self::assemble(undamped, load, closing, (settings, symmetry), scales, solver)
     }
 
     /// The damped nonlinear mode (extended periodic motion concept, Krack 2015): `M q̈ + (C − ξ M) q̇ + K q = W λ`,
@@ -97,7 +98,7 @@ impl PeriodicSystem {
         solver: &dyn LcpSolver,
     ) -> Result<Self, HbmError> {
         let closing = free_motion(scales, vec![Box::new(energy(scales)), Box::<PhaseCondition>::default()]);
-        let parts = (Arc::new(structure.clone()), Load::default());
+        let parts = (Arc::new(structure.clone()), Load::none(structure));
         Self::assemble(parts.0, parts.1, closing, (settings, Symmetry::None), scales, solver)
     }
 

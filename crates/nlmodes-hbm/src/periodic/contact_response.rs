@@ -201,7 +201,9 @@ impl LinearResponse for ContactResponse {
 
     fn evaluate(&mut self, n: usize, at: OperatingPoint, load: &Load, asked: Asked, block: &mut HarmonicBlock) {
         block.reset();
-        match self.even.take() {
+        // The mean under a steady force is no sum over modes without load.
+        let even = if load.has_harmonic(n) { None } else { self.even.take() };
+        match even {
             Some(mut modes) => {
                 self.evaluate_even(n, at, &mut modes, block);
                 self.even = Some(modes);
@@ -215,7 +217,7 @@ impl LinearResponse for ContactResponse {
         let mut dv = [0, 1, 2].map(|_| vec![Complex64::default(); v.len()]);
         let pole = block.pole.map(|(p, _)| p);
         let drive = Drive { force: &block.force, load: load.has_harmonic(n).then_some(load), by: [true; 3] };
-        let drives = |k: usize| drive.load.is_some() || self.squares[k] > 0.0;
+        let drives = |k: usize| (n > 0 && drive.load.is_some()) || self.squares[k] > 0.0;
         self.take_static(n, at, &drive, &mut v, &mut dv);
         for k in (0..motion.eta.len()).filter(|&k| Some(k) != pole && drives(k)) {
             let answer = self.answer(k, n, at, &drive);
@@ -307,8 +309,9 @@ impl ContactResponse {
         let drive = Drive { force, load: load.has_harmonic(n).then_some(load), by: asked.by };
         self.take_static(n, at, &drive, residual, d_residual);
         g.iter_mut().zip(&self.residual).for_each(|(g, h)| g.re = *h);
-        // Modes that move no contact answer to a load alone, which only their energy tells.
-        let all = asked.energy && drive.load.is_some();
+        // Modes that move no contact answer to a load alone, which only their energy tells; a steady force leaves them
+        // at rest.
+        let all = n > 0 && asked.energy && drive.load.is_some();
         for k in (0..self.coupling.len()).filter(|&k| Some(k) != pole && (all || self.squares[k] > 0.0)) {
             let answer = self.answer(k, n, at, &drive);
             self.take(&answer, drive.by, residual, d_residual);

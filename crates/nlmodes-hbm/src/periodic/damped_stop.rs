@@ -39,6 +39,9 @@ impl ModalStructure {
             structure.stop_compliance[i] = 0.0;
             structure.omega_squared.push(stop.stiffness);
             structure.inertia.push(0.0);
+            if !structure.steady_force.is_empty() {
+                structure.steady_force.push(0.0);
+            }
             structure.damped.push(i);
         }
         structure.laws.iter_mut().for_each(|law| law.modes.resize(m + n, 0.0));

@@ -19,10 +19,14 @@ pub struct LoadTerm {
     pub gaps: Vec<Complex64>,
 }
 
-/// A periodic load: terms that a level multiplies.
+/// A periodic load: terms that a level multiplies, beside the steady force of the structure.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Load {
     terms: Vec<LoadTerm>,
+    /// On each mode, N/√kg; empty for none.
+    steady: Vec<f64>,
+    /// Level of the terms and what opens the gaps, m, c, where the level of the motion is that of the opening.
+    opening: Option<(f64, Vec<f64>)>,
 }
 
 /// A value with its derivatives with respect to ω, ξ and the level.
@@ -50,7 +54,25 @@ impl Load {
                 return Err(HbmError::NotFinite { what: "a load" });
             }
         }
-        Ok(Self { terms })
+        Ok(Self { terms, steady: structure.steady_force().to_vec(), opening: None })
+    }
+
+    /// No terms, and the steady force of `structure`.
+    pub(crate) fn none(structure: &ModalStructure) -> Self {
+        Self { terms: Vec::new(), steady: structure.steady_force().to_vec(), opening: None }
+    }
+
+    /// The same load at a fixed level beside gaps that are opened by so much (c, m) times the level of the motion: with
+    /// that as the parameter, gaps are closed while the load acts.
+    ///
+    /// # Errors
+    /// [`HbmError::NotFinite`].
+    pub fn beside_opening(mut self, level: f64, opening: Vec<f64>) -> Result<Self, HbmError> {
+        if !opening.iter().chain([&level]).all(|v| v.is_finite()) {
+            return Err(HbmError::NotFinite { what: "an opening of the gaps" });
+        }
+        self.opening = Some((level, opening));
+        Ok(self)
     }
 
     /// The terms.
@@ -65,32 +87,52 @@ impl Load {
 
     /// Whether anything drives harmonic n.
     pub(crate) fn has_harmonic(&self, n: usize) -> bool {
-        self.terms.iter().any(|t| t.harmonic == n)
+        self.terms.iter().any(|t| t.harmonic == n) || (n == 0 && !self.steady.is_empty())
     }
 
     /// Modal load of mode k in harmonic n.
     pub(crate) fn modal(&self, n: usize, k: usize, at: OperatingPoint) -> Varied {
-        self.sum(n, at, |term| term.modal[k])
+        let mut of = self.sum(n, at, |term| term.modal[k]);
+        if n == 0 {
+            of.value += self.steady.get(k).copied().unwrap_or(0.0);
+        }
+        of
     }
 
     /// What harmonic n adds to gap i, or to the displacement of a law behind the gaps.
     pub(crate) fn gap(&self, n: usize, i: usize, at: OperatingPoint) -> Varied {
-        self.sum(n, at, |term| term.gaps[i])
+        let mut of = self.sum(n, at, |term| term.gaps[i]);
+        if let Some(opening) = self.opening.as_ref().filter(|_| n == 0).and_then(|(_, opening)| opening.get(i)) {
+            of.value += opening * at.level;
+            of.by[2] += opening;
+        }
+        of
     }
 
     pub(crate) fn moves_gaps(&self) -> bool {
-        self.terms.iter().any(|t| t.gaps.iter().any(|g| *g != Complex64::default()))
+        self.opening.is_some() || self.terms.iter().any(|t| t.gaps.iter().any(|g| *g != Complex64::default()))
     }
 
     fn sum(&self, n: usize, at: OperatingPoint, amplitude: impl Fn(&LoadTerm) -> Complex64) -> Varied {
         let terms = self.terms.iter().filter(|t| t.harmonic == n);
-        terms.fold(Varied::default(), |sum, term| sum.plus(vary(amplitude(term), term.omega_power, at)))
+        terms.fold(Varied::default(), |sum, term| sum.plus(self.vary(amplitude(term), term.omega_power, at)))
+    }
+
+    fn vary(&self, amplitude: Complex64, power: i32, at: OperatingPoint) -> Varied {
+        match &self.opening {
+            None => vary(amplitude, power, at),
+            Some((level, _)) => {
+                let mut of = vary(amplitude, power, OperatingPoint { level: *level, ..at });
+                of.by[2] = Complex64::default();
+                of
+            }
+        }
     }
 
     /// What the terms in harmonic n add to a response row.
     pub(crate) fn row(&self, n: usize, amplitudes: &[Complex64], at: OperatingPoint) -> Varied {
         let terms = self.terms.iter().zip(amplitudes).filter(|(t, _)| t.harmonic == n);
-        terms.fold(Varied::default(), |sum, (term, a)| sum.plus(vary(*a, term.omega_power, at)))
+        terms.fold(Varied::default(), |sum, (term, a)| sum.plus(self.vary(*a, term.omega_power, at)))
     }
 }
 

@@ -24,22 +24,27 @@ impl ModalStructure {
         let (linear, dofs) = (model.linear_dofs(), model.dofs());
         let is_modal = linear.iter().all(|&i| dofs[i].kind == DofKind::Modal)
             && model.contact_dofs().iter().all(|&i| dofs[i].kind == DofKind::Contact);
-        let (omega_squared, rows) = if is_modal {
+        let steady: Vec<f64> =
+            model.steady_force().map_or_else(Vec::new, |steady| linear.iter().map(|&i| steady.force[i]).collect());
+        let (omega_squared, rows, steady) = if is_modal {
             // Free-interface modes once more, as which the stiffness without the contact nodes is diagonal.
             let (k_ll, k_ln) = (model.k_ll(), model.k_ln());
             let nodes = DenseLu::factor(model.k_nn()).map_err(failed)?.solve_columns(&k_ln.transpose().to_owned());
             let of_nodes = |k: usize| (0..nodes.nrows()).map(|d| k_ln[(k, d)] * nodes[(d, k)]).sum::<f64>();
             let square = |k: usize| k_ll.get(k, k).copied().unwrap_or(0.0) - of_nodes(k);
-            ((0..linear.len()).map(square).collect::<Vec<f64>>(), follow)
+            ((0..linear.len()).map(square).collect::<Vec<f64>>(), follow, steady)
         } else {
             let modes = open_modes(model, linear.len())?;
             let shapes = Mat::from_fn(linear.len(), modes.omega.len(), |i, k| modes.shapes[(linear[i], k)]);
-            (modes.omega.iter().map(|omega| omega * omega).collect(), &follow * &shapes)
+            let on = |k: usize| steady.iter().enumerate().map(|(i, force)| shapes[(i, k)] * force).sum();
+            let steady = if steady.is_empty() { steady } else { (0..modes.omega.len()).map(on).collect() };
+            (modes.omega.iter().map(|omega| omega * omega).collect(), &follow * &shapes, steady)
         };
         let a = model.w().transpose() * &pressed;
         let flexibility = Mat::from_fn(a.nrows(), a.ncols(), |i, j| 0.5 * (a[(i, j)] + a[(j, i)]));
         let gaps = model.contacts().iter().map(|contact| contact.gap).collect();
         let damping = ModalDamping::none(omega_squared.len());
-        Self::new(omega_squared, rows, &flexibility, gaps, &model.stop_compliance(), damping)
+        let structure = Self::new(omega_squared, rows, &flexibility, gaps, &model.stop_compliance(), damping)?;
+        structure.with_steady_force(steady)
     }
 }

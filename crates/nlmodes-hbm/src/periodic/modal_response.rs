@@ -66,6 +66,12 @@ impl LinearResponse for ModalResponse {
         let nu = n as f64 * at.omega;
         for (row, &k) in self.active.iter().enumerate() {
             let (value, change) = dynamic_stiffness(&self.structure, n, k, at);
+            if n == 0 && value == Complex64::default() && !self.structure.moves_a_contact(k) {
+                // Nothing says where a rigid-body motion is that no contact feels: it is left where it was drawn.
+                block.l[row * d + row] = Complex64::ONE;
+                block.residual[row] = block.x[row];
+                continue;
+            }
             let rho = value.norm().hypot(self.coupling[k]);
             let p = load.modal(n, k, at);
             let x = &block.x;

@@ -64,8 +64,8 @@ pub struct PeriodicMotion {
     pub contacts: Vec<ContactMotion>,
     /// Averaged kinetic energy, J.
     pub kinetic_energy: f64,
-    /// Mean of kinetic and strain energy, J, with that of the residual flexibility and of the stops; without the work
-    /// of contact-free static loads.
+    /// Mean of kinetic and strain energy, J, with that of the residual flexibility, of the stops and of a steady force;
+    /// without the work of contact-free static loads.
     pub total_energy: f64,
     /// Mean power that the load puts in, W.
     pub input_power: f64,
@@ -160,7 +160,9 @@ impl PeriodicSystem {
             // Beside the modes the structure stores ½ (λ, f)ᵀ H (λ, f), of which that of the contacts alone is theirs.
             mean_share(n) * (modal - contact + self.between_laws(&forces[n], &reactions[n]))
         };
-        let strain: f64 = (0..eta.len()).map(strain).sum();
+        // The steady force loses what it does on the mean.
+        let steady = self.structure.steady_force().iter().zip(&eta[0]).map(|(p, eta)| p * eta.re).sum::<f64>();
+        let strain: f64 = (0..eta.len()).map(strain).sum::<f64>() - steady;
         let sum = |f: &dyn Fn(usize) -> f64| (1..eta.len()).map(f).sum::<f64>();
         let (total_energy, kinetic_energy) = (sum(&kinetic) + strain + self.laws.mean_potential(), sum(&kinetic));
         let (input_power, dissipated_power) = (sum(&power), sum(&damped) + self.laws.dissipated_power());

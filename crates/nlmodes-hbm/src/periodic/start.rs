@@ -52,6 +52,9 @@ const UNFELT: f64 = 1e-9;
 /// Guard of a contact at rest, over the largest, below which it touches without force.
 const ROUNDING: f64 = 1e-10;
 
+/// Squared open frequency, over that of the mode about rest, up to which it is that of a rigid-body motion.
+const RIGID: f64 = 1e-9;
+
 /// The amplitude of a mode about rest at which the first of its contacts is about to change its state: an open one is
 /// touched, or one that presses is left.
 ///
@@ -80,7 +83,8 @@ pub fn modal_lift_off(structure: &ModalStructure, at: ModeAtRest<'_>) -> Result<
     let damping = |j: usize, k: usize| at.shape[j] * structure.damping().entry(j, k) * at.shape[k];
     let damping: f64 = (0..m).flat_map(|j| (0..m).map(move |k| (j, k))).map(|(j, k)| damping(j, k)).sum();
     let energy = 0.25 * at.omega_squared * amplitude * amplitude;
-    let elastic = (0..m).filter(|&k| structure.omega_squared()[k] > 0.0);
+    // The rigid-body motions of a structure that floats have no stiffness but that of its closed contacts.
+    let elastic = (0..m).filter(|&k| structure.omega_squared()[k] > RIGID * at.omega_squared);
     let modal = elastic.map(|k| structure.rows()[(contact, k)].powi(2) / structure.omega_squared()[k]).sum::<f64>();
     let compliance = structure.compliance().a()[(contact, contact)] + modal;
     // A stop that presses hardly moves before it is left: what this energy does to the structure is a length.
@@ -109,7 +113,8 @@ pub fn modal_grazing(structure: &ModalStructure, mode: usize) -> Result<ModalGra
     if mode == 0 || mode > m {
         return Err(HbmError::NoSuchMode { mode, available: m });
     }
-    if let Some(contact) = structure.gaps().iter().position(|g| *g < 0.0) {
+    if structure.is_pressed() {
+        let contact = structure.gaps().iter().position(|g| *g < 0.0).unwrap_or(0);
         return Err(HbmError::PressedAtRest { contact, gap: structure.gaps()[contact] });
     }
     let k = mode - 1;

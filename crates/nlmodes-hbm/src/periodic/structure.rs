@@ -9,11 +9,13 @@ use crate::HbmError;
 /// A damped structure in open modes, with the static flexibility of what they leave over at the contacts.
 ///
 /// ```text
-/// η̈ + Ĉ η̇ + diag(ω_k²) η = Yᵀ λ + p(t) ,   y = g₀ + Y η + a(t) ,   0 ≤ λ ⊥ (A + C) λ + y ≥ 0
+/// η̈ + Ĉ η̇ + diag(ω_k²) η = Yᵀ λ + p(t) + p_s ,   y = g₀ + Y η + a(t) ,   0 ≤ λ ⊥ (A + C) λ + y ≥ 0
 /// ```
 ///
 /// [`DampedStop`](crate::DampedStop)s are coordinates without mass behind the modes: `d_i ṡ_i + k_i s_i = λ_i`, and
 /// `s_i` opens gap i.
+///
+/// `p_s` is a [steady force](Self::with_steady_force) that no level multiplies.
 ///
 /// `Y` (c × m, 1/√kg) are the modes as the gaps see them, `A` (c × c, m/N) the residual flexibility, `C` the compliance
 /// of the stops. The contacts themselves have no mass. A structure whose contact nodes are massless is of this form
@@ -32,6 +34,8 @@ pub struct ModalStructure {
     pub(super) damping: ModalDamping,
     pub(super) laws: Vec<PlacedLaw>,
     pub(super) law_samples: usize,
+    /// Of each coordinate; empty for none.
+    pub(super) steady_force: Vec<f64>,
 }
 
 /// A displacement as a row of open modes and contact forces, `q = φᵀ η + sᵀ λ + Σ_t a_t`, with what each term of the
@@ -96,9 +100,54 @@ impl ModalStructure {
             damping,
             laws: Vec::new(),
             law_samples: 0,
+            steady_force: Vec::new(),
         };
         structure.silence_modes_at_rest();
         Ok(structure)
+    }
+
+    /// The same structure with other gaps, m, c.
+    ///
+    /// # Errors
+    /// [`HbmError::Size`] or [`HbmError::NotFinite`].
+    pub fn with_gaps(&self, gaps: Vec<f64>) -> Result<Self, HbmError> {
+        let (expected, found) = (self.n_contacts(), gaps.len());
+        if found != expected {
+            return Err(HbmError::Size { what: "gaps", expected, found });
+        }
+        if !gaps.iter().all(|gap| gap.is_finite()) {
+            return Err(HbmError::NotFinite { what: "gaps" });
+        }
+        Ok(Self { gaps, ..self.clone() })
+    }
+
+    /// The same structure under a constant force, `p = Φᵀ f` (m, N/√kg), that no level multiplies: what acts on the
+    /// rigid-body motions of a structure that floats, `ω_k = 0`, and is balanced by its contacts alone. Empty for none.
+    ///
+    /// # Errors
+    /// [`HbmError::Size`] or [`HbmError::NotFinite`].
+    pub fn with_steady_force(&self, mut force: Vec<f64>) -> Result<Self, HbmError> {
+        let expected = self.n_moving();
+        if !force.is_empty() && force.len() != expected {
+            return Err(HbmError::Size { what: "modes of the steady force", expected, found: force.len() });
+        }
+        if !force.iter().all(|p| p.is_finite()) {
+            return Err(HbmError::NotFinite { what: "steady force" });
+        }
+        if !force.is_empty() {
+            force.resize(self.n_modes(), 0.0);
+        }
+        Ok(Self { steady_force: force, ..self.clone() })
+    }
+
+    /// The constant force on each coordinate, N/√kg; empty for none.
+    pub fn steady_force(&self) -> &[f64] {
+        &self.steady_force
+    }
+
+    /// Whether something presses it onto its stops where no load acts: a steady force, or a gap below zero.
+    pub fn is_pressed(&self) -> bool {
+        self.gaps.iter().any(|gap| *gap < 0.0) || self.steady_force.iter().any(|p| *p != 0.0)
     }
 
     /// The same structure with other damping.

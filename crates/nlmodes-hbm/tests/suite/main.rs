@@ -4,6 +4,7 @@ mod contact_periods;
 mod describing_function;
 mod elastic_stops;
 mod face_in_time;
+mod floating;
 mod forced_numbers;
 mod invariants;
 mod jacobian;

@@ -207,3 +207,71 @@ fn a_negative_stiffness_is_named_with_its_mode() {
         other => panic!("{other}"),
     }
 }
+
+/// The free rod pressed onto elastic stops at its tip and middle by its weight.
+#[test]
+fn a_floating_structure_rests_where_its_contacts_carry_its_load() {
+    let solver = solver_by_name("active-set").unwrap();
+    for (metre, kilogram) in [(1.0, 1.0), (1e-3, 1e3)] {
+        let newton = kilogram * metre;
+        for modes in [3, 6, ELEMENTS + 1] {
+            // The tip stands 0.05 before its stop, the middle 0.2.
+            let model = rod(Support::Free, [0.05, 0.2], Some(30.0), metre, kilogram);
+            let weight = nlmodes_linalg::multiply(model.mass(), &[0.6; ELEMENTS + 1]);
+            let floating = open(&model, modes);
+            let load = floating.load(&weight.iter().map(|f| f / metre).collect::<Vec<_>>()).unwrap();
+            // 0.6 m/s² of 10 kg are 6 N.
+            let (force, rigid) = (load.modal[..1].to_vec(), floating.n_rigid());
+            assert_eq!((rigid, floating.unfelt_motions()), (1, Vec::new()));
+            let loaded = floating.clone().with_steady_force(force.clone()).unwrap();
+            let rest = loaded.rest(&[], solver.as_ref()).unwrap();
+            let carried = (rest.forces[0] + rest.forces[1]) * newton;
+            assert!((carried - 6.0).abs() < 1e-9, "{carried}");
+            // N(x) = −λ₁ + 3 (2 − x) stretches the part between the stops: u₂ − u₁ = (λ₁ − 1.5)/3, and λ = 30 (u − g).
+            let forces = [rest.forces[0] * newton, rest.forces[1] * newton];
+            assert!((forces[0] - 2.125).abs() < 1e-8 && (forces[1] - 3.875).abs() < 1e-8, "{modes}: {forces:?}");
+            // Upward it leaves them.
+            let away = floating.with_steady_force(vec![-force[0]]).unwrap().rest(&[], solver.as_ref()).unwrap_err();
+            let ReductionError::FallsAway { motion } = away else { panic!("{away}") };
+            assert!(motion.iter().all(|q| (q + 1.0).abs() < 1e-6), "{motion:?}");
+        }
+    }
+    // What no contact feels is refused if it is pushed, and rests otherwise.
+    let two = twice(&rod(Support::Free, [0.1, 0.2], None, 1.0, 1.0));
+    assert_eq!((two.n_rigid(), two.unfelt_motions()), (2, vec![1]));
+    let pushed = two.clone().with_steady_force(vec![1.0, 0.5]).unwrap_err();
+    assert!(matches!(pushed, ReductionError::FallsUnfelt { .. }), "{pushed}");
+    // The stop is on the positive side: the tip goes there if the mode moves it that way.
+    let toward = if two.contact_rows()[(0, 0)] < 0.0 { 1.0 } else { -1.0 };
+    let carried = two.with_steady_force(vec![toward, 0.0]).unwrap();
+    assert_eq!(carried.rest(&[], solver.as_ref()).unwrap().closed, [true]);
+}
+
+/// A free rod between a stop at each end, longer than their distance: pressed as the held rod would be, and the same
+/// with a load, which adds to one of them.
+#[test]
+fn a_floating_structure_is_pressed_between_stops() {
+    let solver = solver_by_name("active-set").unwrap();
+    let rod = Rod {
+        material: Material::new(3.0, 5.0).unwrap(),
+        area: 1.0,
+        mesh: Mesh::uniform(2.0, ELEMENTS).unwrap(),
+        mass_matrix: MassMatrix::Consistent,
+        start: Support::Free,
+        end: Support::Free,
+    };
+    let stop = |x: f64, side: Side| Stop::rigid(x, Direction::Axial, side, -0.05);
+    let model = rod.assemble(&[stop(2.0, Side::Positive), stop(0.0, Side::Negative)]).unwrap();
+    for modes in [4, 9] {
+        let pressed = open(&model, modes);
+        // Squeezed by 0.1 against EA/L = 1.5.
+        let rest = pressed.rest(&[], solver.as_ref()).unwrap();
+        assert!(rest.closed == [true, true] && rest.forces.iter().all(|f| (f - 0.15).abs() < 1e-9), "{rest:?}");
+        assert!(rest.eta[0].abs() < 1e-9);
+        let ends = |i: usize| if i == 0 || i == ELEMENTS { 0.2 } else { 0.0 };
+        let force = pressed.load(&(0..=ELEMENTS).map(ends).collect::<Vec<_>>()).unwrap();
+        let loaded = pressed.with_steady_force(force.modal[..1].to_vec()).unwrap();
+        let rest = loaded.rest(&[], solver.as_ref()).unwrap();
+        assert!((rest.forces[0] - rest.forces[1] - 0.4).abs() < 1e-9, "{rest:?}");
+    }
+}

@@ -96,9 +96,10 @@ pub const FILES: [FileMeaning; 22] = [
         meaning: "The scene as read, linear frequencies, grazing point, method, `reduction` (free-interface modes, \
             and by how much half as many change the frequency), `contacts` of a structure from files (nodes, normal, \
             gap of each number), `rest` of a structure under static loads or before stops that press (gap of each \
-            stop while all are open, whether it is closed at rest, clearance, force), `motion` (the point that \
-            `motion.pvd` shows), events, internal resonances, stability, why the branch ended, times; of responses \
-            the same of each curve; under `errors` the estimated error of each number with its largest source and \
+            stop while all are open, whether it is closed at rest, clearance, force), `stress_left_out` (why there is \
+            no stress, where only the size of a structure stands in the way), `motion` (the point that `motion.pvd` \
+            shows), events, internal resonances, stability, why the branch ended, times; of responses the same of \
+            each curve; under `errors` the estimated error of each number with its largest source and \
             what makes it smaller, under `certificate` what was compared",
         columns: &[],
     },

@@ -3,8 +3,9 @@ use nlmodes_continuation::{Bound, ParametricSystem, StopReason};
 use nlmodes_hbm::{HbmError, ModalStructure, PeriodicSystem, Scales, law_length};
 
 use super::doubled::doubled_responses;
+use super::phase_resonance::{beside, small_level};
 use crate::follow::Curve;
-use crate::linear::unknowns_at_rest;
+use crate::linear::{linear_motion, unknowns_at_rest};
 use crate::{ResponseCurve, ResponseError, ResponseModel, ResponsePoint, ResponseSettings};
 
 /// Length of the window in units of the parameter: with steps of at most 0.1, some sixty points where nothing else
@@ -42,7 +43,9 @@ pub fn response_from_other_end(
     let other = ResponseSettings { from_upper_end: !settings.from_upper_end, ..settings.clone() };
     let (mut curve, omega) = match over_frequency(model, level, &other, solver.as_ref()) {
         Ok(start) => start,
-        Err(ResponseError::NoStart { .. } | ResponseError::Stopped) => return Ok(None),
+        Err(ResponseError::NoStart { .. } | ResponseError::NoStartTouching { .. } | ResponseError::Stopped) => {
+            return Ok(None);
+        }
         Err(error) => return Err(error),
     };
     let end = curve.p * omega.1;
@@ -135,7 +138,10 @@ pub(super) fn curve_over_frequency<'a>(
     let window = settings.base_window();
     let unit = (window[1] - window[0]) / WINDOW;
     let (structure, load) = (model.structure(), model.load(settings)?);
-    let scales = scales(structure, from);
+    let scales = match touch(model, (from, level), settings, solver)? {
+        Some(touch) => touch.scales(from),
+        None => scales(structure, from),
+    };
     let system = PeriodicSystem::frequency_response(structure, load, level, unit, settings.periodic(), scales, solver)?;
     let n = system.dim();
     let bounds = vec![Bound { coordinate: n, min: window[0] / unit, max: window[1] / unit }];
@@ -161,23 +167,44 @@ pub fn force_response(
     positive("the largest level", to)?;
     let solver = solver_by_name(&settings.contact_solver).map_err(HbmError::Compliance)?;
     let base = omega / settings.subharmonic.max(1) as f64;
-    let mut curve = over_level(model, base, to, settings, solver.as_ref())?;
+    let mut curve = match touch(model, (base, to), settings, solver.as_ref())? {
+        Some(touch) => from_touch(model, &touch, (base, to), settings, solver.as_ref())?,
+        None => over_level(model, base, (to, scales(model.structure(), base)), settings, solver.as_ref())?,
+    };
     curve.follow((usize::MAX, 1.0))
+}
+
+/// Share of the largest level at which a curve over the level begins where contacts touch at rest: from there down,
+/// motions are those of any level made smaller.
+const LEAST: f64 = 1e-3;
+
+/// The curve over the level of a structure with contacts that touch at rest without force.
+fn from_touch<'a>(
+    model: &ResponseModel,
+    touch: &Touch,
+    (base, to): (f64, f64),
+    settings: &'a ResponseSettings,
+    solver: &'a dyn LcpSolver,
+) -> Result<Curve<'a>, ResponseError> {
+    let least = LEAST * to;
+    let x = at_level(model, base, least, settings, solver)?;
+    let mut curve = over_level(model, base, (to, touch.scales(base)), settings, solver)?;
+    // Lengths at the least level count in those at the largest one.
+    curve.x = x.iter().map(|x| LEAST * x).collect();
+    curve.p = LEAST * WINDOW;
+    curve.bounds = vec![Bound { coordinate: curve.system.dim(), min: curve.p, max: WINDOW }];
+    Ok(curve)
 }
 
 fn over_level<'a>(
     model: &ResponseModel,
     base: f64,
-    to: f64,
+    (to, scales): (f64, Scales),
     settings: &'a ResponseSettings,
     solver: &'a dyn LcpSolver,
 ) -> Result<Curve<'a>, ResponseError> {
     let (structure, load) = (model.structure(), model.load(settings)?);
-    if let Some(contact) = structure.gaps().iter().position(|g| *g == 0.0) {
-        return Err(HbmError::TouchesAtRest { contact, gap: 0.0 }.into());
-    }
     let unit = to / WINDOW;
-    let scales = scales(structure, base);
     let system = PeriodicSystem::force_response(structure, load, base, unit, settings.periodic(), scales, solver)?;
     let n = system.dim();
     let mut direction = vec![0.0; n + 1];
@@ -201,7 +228,10 @@ pub(crate) fn at_level(
 ) -> Result<Vec<f64>, ResponseError> {
     // However few points of the curve itself are asked for.
     let own = ResponseSettings { max_points: settings.max_points.max(STARTING), ..settings.clone() };
-    let mut curve = over_level(model, base, level, &own, solver)?;
+    if let Some(touch) = touch(model, (base, level), &own, solver)? {
+        return closing(model, &touch, (base, level), &own, solver);
+    }
+    let mut curve = over_level(model, base, (level, scales(model.structure(), base)), &own, solver)?;
     let parameter = curve.parameter();
     let branch = curve.run()?;
     let last = branch.points.last().map_or((0.0, Vec::new()), |q| (q.p, q.x.clone()));
@@ -217,13 +247,118 @@ pub(crate) fn at_level(
     }
 }
 
-/// Lengths near the smallest gap, or that at which laws of force matter; frequencies near `omega`.
+/// Contacts that touch at rest without force: a response is nowhere linear there, however small.
+struct Touch {
+    contacts: Vec<usize>,
+    /// How far the load would move them toward their stops if these were not there, m; the most of all.
+    length: f64,
+}
+
+impl Touch {
+    fn scales(&self, base: f64) -> Scales {
+        Scales::new(self.length, base, 1.0)
+    }
+}
+
+/// By how much contacts that touch are set back, m, while it is found how far a load moves them.
+const APART: f64 = 1.0;
+
+/// The contacts that touch at rest, and what the load at this base frequency and level does to them.
+fn touch(
+    model: &ResponseModel,
+    (base, level): (f64, f64),
+    settings: &ResponseSettings,
+    solver: &dyn LcpSolver,
+) -> Result<Option<Touch>, ResponseError> {
+    let contacts = model.touching_at_rest()?;
+    if contacts.is_empty() {
+        return Ok(None);
+    }
+    let apart = model.opened(&contacts, APART)?;
+    let structure = apart.structure();
+    let load = model.load(settings)?;
+    let few = nlmodes_hbm::PeriodicSettings { harmonics: load.highest_harmonic(), ..settings.periodic() };
+    let own = scales(structure, base);
+    let mut system = PeriodicSystem::force_response(structure, load, base, 1.0, few, own, solver)?;
+    let pressed = apart.pressed_rest()?;
+    let rest = unknowns_at_rest(&system, pressed.as_ref());
+    let x = linear_motion(&mut system, &rest)?;
+    let closed = pressed.as_ref().map(|rest| rest.closed.as_slice());
+    let small = small_level(&mut system, (&rest, &x), closed)?;
+    let motion = system.motion(&beside(&rest, &x, small), small)?;
+    let toward = |&i: &usize| APART - (structure.gaps()[i] - motion.contacts[i].peak);
+    let toward = contacts.iter().map(toward).fold(0.0, f64::max);
+    let length = if toward > 0.0 { level * toward / small } else { APART };
+    Ok(Some(Touch { contacts, length }))
+}
+
+/// Share of how far the load would move contacts that touch by which they are set back at first.
+const SET_BACK: f64 = 0.5;
+
+/// The response with contacts that touch at rest: that with the same load before contacts that stand back, to which
+/// these are then closed.
+fn closing(
+    model: &ResponseModel,
+    touch: &Touch,
+    (base, level): (f64, f64),
+    settings: &ResponseSettings,
+    solver: &dyn LcpSolver,
+) -> Result<Vec<f64>, ResponseError> {
+    let by = SET_BACK * touch.length;
+    let opened = model.opened(&touch.contacts, by)?;
+    let x = at_level(&opened, base, level, settings, solver)?;
+    let mut opening = vec![0.0; model.structure().n_contacts()];
+    touch.contacts.iter().for_each(|&contact| opening[contact] = by);
+    let load = model.load(settings)?.beside_opening(level, opening)?;
+    let (structure, periodic, own) = (model.structure(), settings.periodic(), touch.scales(base));
+    let system = PeriodicSystem::force_response(structure, load, base, 1.0, periodic, own, solver)?;
+    let (n, unit) = (system.dim(), scales(opened.structure(), base).length / own.length);
+    let x = x.iter().map(|x| unit * x).collect();
+    let mut direction = vec![0.0; n + 1];
+    direction[n] = -1.0;
+    let bounds = vec![Bound { coordinate: n, min: 0.0, max: 2.0 }];
+    let budget = settings.budget();
+    let mut curve = Curve { system, x, p: 1.0, direction, bounds, drive: None, settings, solver, budget };
+    let branch = curve.run()?;
+    let last = branch.points.last().map_or((1.0, Vec::new()), |q| (q.p, q.x.clone()));
+    match &branch.stop {
+        StopReason::Bound { coordinate, value } if *coordinate == n && *value == 0.0 => Ok(last.1),
+        StopReason::Stopped => Err(ResponseError::Stopped),
+        stop => Err(ResponseError::NoStartTouching {
+            omega: base * settings.subharmonic as f64,
+            level,
+            left: last.0 * by,
+            why: curve.end(stop, (usize::MAX, 1.0)).message,
+        }),
+    }
+}
+
+/// Lengths near the smallest gap, or that at which laws of force matter, and of a structure that a steady force presses
+/// onto its contacts near what that bends; frequencies near `omega`.
 pub(crate) fn scales(structure: &ModalStructure, omega: f64) -> Scales {
+    if let Some(length) = pressed_length(structure) {
+        return Scales::new(length, omega, 1.0);
+    }
     let gaps = structure.gaps().iter().map(|g| g.abs()).filter(|g| *g > 0.0);
     let of_laws = if structure.laws().is_empty() { None } else { law_length(structure, 1).ok() };
     let smallest = gaps.chain(of_laws.filter(|l| *l > 0.0)).fold(f64::INFINITY, f64::min);
     let length = if smallest.is_finite() { smallest } else { 1.0 };
     Scales::new(length, omega, 1.0)
+}
+
+/// What a steady force would bend on one contact alone, m; the least of all.
+fn pressed_length(structure: &ModalStructure) -> Option<f64> {
+    let (force, squares, rows) = (structure.steady_force(), structure.omega_squared(), structure.rows());
+    let size = |values: &mut dyn Iterator<Item = f64>| values.map(|v| v * v).sum::<f64>().sqrt();
+    let pull = size(&mut force.iter().copied());
+    let rigid = (0..force.len()).filter(|&k| squares[k] == 0.0);
+    let of = |i: usize| {
+        let elastic = (0..squares.len()).filter(|&k| squares[k] > 0.0);
+        let own = structure.compliance().a()[(i, i)];
+        let compliance = own + elastic.map(|k| rows[(i, k)].powi(2) / squares[k]).sum::<f64>();
+        pull / size(&mut rigid.clone().map(|k| rows[(i, k)])) * compliance
+    };
+    (0..rows.nrows()).map(of).filter(|length| length.is_finite() && *length > 0.0).reduce(f64::min)
 }
 
 fn positive(what: &'static str, value: f64) -> Result<(), ResponseError> {

@@ -165,14 +165,14 @@ impl Linear<'_> {
 const SAFE: f64 = 0.25;
 
 /// The unknowns at rest with so many times those of the level one.
-fn beside(rest: &[f64], x: &[f64], level: f64) -> Vec<f64> {
+pub(super) fn beside(rest: &[f64], x: &[f64], level: f64) -> Vec<f64> {
     rest.iter().zip(x).map(|(rest, x)| rest + level * x).collect()
 }
 
 /// A level at which no contact changes its state: a quarter of that at which the first one does. Of a structure that
 /// rests with its contacts open that level follows from the largest motion toward a stop; of one that its stops press,
 /// with these contacts `closed`, it is searched.
-fn small_level(
+pub(super) fn small_level(
     system: &mut PeriodicSystem,
     (rest, x): (&[f64], &[f64]),
     closed: Option<&[bool]>,

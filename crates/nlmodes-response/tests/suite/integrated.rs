@@ -4,3 +4,4 @@ mod detached;
 mod doubled;
 mod masses;
 mod pressed;
+mod touching;

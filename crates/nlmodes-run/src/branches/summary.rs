@@ -43,6 +43,9 @@ struct Summary<'a> {
     /// The point whose period is in `motion.pvd`.
     #[serde(skip_serializing_if = "Option::is_none")]
     motion: Option<At>,
+    /// Why there is no stress, if only the size of the structure stands in the way.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stress_left_out: Option<String>,
     events: Vec<EventAt>,
     internal_resonances: Vec<Resonance>,
     stability: Stability,
@@ -217,6 +220,7 @@ pub fn write(
         rest: AtRest::all(about.state),
         accuracy: AccuracyUsed::new(scene, computed),
         points: points.len(),
+        stress_left_out: about.stress_left_out.map(str::to_owned),
         motion: about.period.and_then(|period| At::of(points, 0, period.point)),
         events: events.collect(),
         internal_resonances: Resonance::all(&computed.branch.points, 0),

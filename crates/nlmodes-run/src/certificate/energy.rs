@@ -16,7 +16,8 @@ const SAMPLES: usize = 64;
 /// free-interface modes are computed.
 const LARGEST: [usize; 2] = [120, 400];
 
-/// Largest less smallest energy over a period, over the mean.
+/// Largest less smallest energy over a period, over the mean; under a weight that contacts carry, over the mean above
+/// rest.
 pub fn drift(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>) -> Check {
     let n = computed.structure.model().dofs().len();
     let missing = |why, how| Check::missing(NAME, None, why, how);
@@ -34,7 +35,8 @@ pub fn drift(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>) 
     let mut worst = Worst::default();
     for &k in points {
         let found = Point::of_branch(sources.scene, computed, k);
-        match found.and_then(|point| Ok::<f64, BranchError>(of_point(&point)?)) {
+        let at_rest = computed.structure.energy_at_rest().map_err(BranchError::from);
+        match found.and_then(|point| Ok::<f64, BranchError>(of_point(&point, at_rest?)?)) {
             Ok(found) => worst.take(k, found),
             Err(error) => return missing(format!("point {k}: {error}"), "`verify`"),
         }
@@ -44,7 +46,7 @@ pub fn drift(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>) 
     Check::measured(NAME, worst.value, words).at(&worst)
 }
 
-fn of_point(point: &Point) -> Result<f64, TimestepError> {
+fn of_point(point: &Point, at_rest: f64) -> Result<f64, TimestepError> {
     let energies = match &point.start {
         Some(start) => {
             let mut dynamics = ContactDynamics::new(point.model.clone())?;
@@ -58,7 +60,7 @@ fn of_point(point: &Point) -> Result<f64, TimestepError> {
             (0..SAMPLES).map(at).collect::<Result<_, _>>()?
         }
     };
-    let mean = energies.iter().sum::<f64>() / energies.len() as f64;
+    let mean = energies.iter().sum::<f64>() / energies.len() as f64 - at_rest;
     let [least, most] = energies.iter().fold([f64::MAX, f64::MIN], |[a, b], e| [a.min(*e), b.max(*e)]);
     Ok((most - least) / mean)
 }

@@ -40,6 +40,12 @@ pub fn add(
             .map_err(|error| file.error_at(&format!("spring.{i}"), &chain(&error), "here", &[]))?;
         springs.push(weights);
     }
+    if !springs.is_empty() && response.structure().is_pressed() {
+        let title = "a stop that presses at rest beside springs with a law of force";
+        let help =
+            ["where both come to rest is not computed: give the law about that place, and gaps that are open there"];
+        return Err(file.error_at("contact", title, "expected gaps that are not negative", &help).into());
+    }
     response.set_start_energy(scene.continuation.start_energy_j);
     Ok(springs)
 }

@@ -13,6 +13,7 @@ use nlmodes_scene::scene::{Place, Response, ResponseKind, Scene, Side};
 use super::damping::damping;
 use super::laws;
 use super::structure::{Reduced, base_motion, reduced};
+use crate::curve::stress::Stress;
 use crate::physical::of_dofs;
 use crate::sliding::Tangents;
 use crate::{RunError, chain, refusal};
@@ -88,7 +89,7 @@ impl Model {
             Ok(weights)
         };
         let springs = laws::add(file, &mut response, &at)?;
-        check_mode(file, &response)?;
+        check_mode(file, &response, parts.reduction.as_ref())?;
         let omega = parts.open.omega_squared().get(scene.method.mode - 1).map_or(0.0, |w| w.max(0.0).sqrt());
         let mut beyond_modes = Vec::new();
         for (i, dashpot) in scene.damping.iter().flat_map(|d| &d.dashpots).enumerate() {
@@ -191,6 +192,11 @@ impl Model {
         }
     }
 
+    /// Why stress is not recovered, if only the size of the structure stands in the way.
+    pub fn stress_left_out(&self, scene: &Scene) -> Option<String> {
+        Stress::left_out(scene, self.reduction.as_ref(), self.response.load_shapes().len())
+    }
+
     /// The structure with its load, and no drive point.
     pub fn response(&self) -> &ResponseModel {
         &self.response
@@ -199,7 +205,7 @@ impl Model {
     /// Angular frequency of a linear mode (from 1) about rest, rad/s: with the contacts open that are open there.
     pub fn mode_frequency(&self, mode: usize) -> Option<f64> {
         let structure = self.response.structure();
-        if !structure.laws().is_empty() || structure.gaps().iter().any(|gap| *gap < 0.0) {
+        if !structure.laws().is_empty() || structure.is_pressed() {
             return self.response.linear_start(mode).ok().map(|start| start.omega);
         }
         structure.omega_squared().get(mode.checked_sub(1)?).map(|w| w.max(0.0).sqrt())
@@ -235,13 +241,17 @@ fn stop_dampers(scene: &Scene, parts: &Reduced) -> Vec<(usize, usize, f64)> {
 }
 
 /// The mode from which nonlinear modes and phase resonance begin must meet a stop.
-fn check_mode(file: &SceneFile, response: &ResponseModel) -> Result<(), RunError> {
+fn check_mode(file: &SceneFile, response: &ResponseModel, open: Option<&OpenStructure>) -> Result<(), RunError> {
     let is_over = |r: &Response| matches!(r.kind, ResponseKind::Frequency | ResponseKind::Force);
-    let gaps = response.structure().gaps();
-    let error = match gaps.iter().position(|g| *g == 0.0) {
-        Some(contact) => HbmError::TouchesAtRest { contact, gap: 0.0 },
+    if !file.scene.responses.iter().all(is_over) {
+        open.map_or(Ok(()), |open| refusal::unless_held_by_weight(file, open))?;
+    }
+    let touching = response.touching_at_rest();
+    let touching = touching.map_err(|error| -> RunError { refusal::at(file, "contact", &error) })?;
+    let error = match touching.first() {
         // Curves over frequency and level need no linear mode that meets a stop.
-        None if file.scene.responses.iter().all(is_over) => return Ok(()),
+        _ if file.scene.responses.iter().all(is_over) => return Ok(()),
+        Some(&contact) => HbmError::TouchesAtRest { contact, gap: response.structure().gaps()[contact] },
         None => match response.linear_start(file.scene.method.mode) {
             Ok(_) => return Ok(()),
             Err(ResponseError::Problem(error)) => error,

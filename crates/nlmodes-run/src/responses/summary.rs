@@ -46,6 +46,7 @@ pub fn write(
         "reduction": open.map(|open| Reduction::new(scene, open, 0)),
         "contacts": ContactAt::all(open),
         "rest": AtRest::all(model.state.as_ref()),
+        "stress_left_out": model.stress_left_out(scene),
         "motion": motion,
         "level_unit": model.unit,
         "points": first,

@@ -45,7 +45,7 @@ pub struct OpenStructure {
     pub files: Option<NodeContacts>,
     /// What is known of the numbers of a structure that was reduced elsewhere.
     pub elsewhere: Option<ReducedElsewhere>,
-    /// Motions of a structure from files that strain nothing.
+    /// Motions that strain nothing.
     pub strainless: Strainless,
     /// What static loads and stops that press do to it: the gaps of `modes` and `reduced` are those that they leave.
     pub state: Option<StaticState>,
@@ -90,7 +90,7 @@ impl OpenStructure {
         // The elements stand for a continuum: what a mode less leaves to statics is an error like that of the mesh.
         let (modes, reduced) = pressed(scene, modes, (scene.method.mode, &damped), reduced)?;
         let dofs = model.dofs().to_vec();
-        let strainless = Strainless::default();
+        let strainless = Strainless::of_rigid_bodies(modes.n_rigid());
         let (files, elsewhere) = (None, None);
         Self { modes, reduced, dofs, contacts, files, elsewhere, strainless, state: None }.under_loads(scene)
     }
@@ -113,10 +113,13 @@ impl OpenStructure {
     /// The same with the gaps that static loads leave.
     fn under_loads(mut self, scene: &Scene) -> Result<Self, StructureError> {
         let files = self.files.as_ref().map(|(model, _)| model.as_ref());
-        self.state = static_loads::of_open(scene, &self.modes, files)?;
+        self.state = static_loads::of_open(scene, &self.modes, (files, &self.dofs))?;
         if let Some(state) = &self.state {
             self.modes = self.modes.with_stops(state.free_gaps.clone(), self.modes.stop_compliance().to_vec())?;
-            self.reduced = self.reduced.with_gaps(self.modes.gaps())?;
+            if state.is_carried() {
+                self.modes = self.modes.with_steady_force(state.steady.clone())?;
+            }
+            self.reduced = self.reduced.with_gaps(self.modes.gaps())?.with_force_of(&self.modes)?;
         }
         Ok(self)
     }

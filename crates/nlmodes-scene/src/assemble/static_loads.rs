@@ -1,16 +1,17 @@
 //! Static loads, and where the structure stands under them.
 //!
 //! A constant force field `f` moves the linear structure by `K⁻¹ f` while its contacts are open. About that place its
-//! motions are those of the same structure with the gaps `g₀ + Wᵀ K⁻¹ f`.
+//! motions are those of the same structure with the gaps `g₀ + Wᵀ K⁻¹ f`. What acts on the rigid-body motions of a
+//! structure that floats is no gap: it stays as a force, which the contacts alone balance.
 
 use std::path::Path;
 
 use nlmodes::contact::solver_by_name;
-use nlmodes::linalg::{Mat, multiply, multiply_transposed};
-use nlmodes::model::{Contact, DofKind, StructuralModel};
+use nlmodes::linalg::{DenseLu, Mat, SparseMatrix, multiply, multiply_many, multiply_transposed};
+use nlmodes::model::{Contact, Dof, DofKind, SteadyForce, StructuralModel};
 use nlmodes::response::BaseUnit;
 use nlmodes_io::{ContactNodes, FeModel, ReadError, read_nodal_values};
-use nlmodes_reduction::{ModeCount, OpenModes, RestState};
+use nlmodes_reduction::{ModeCount, OpenModes, ReductionError, RestState};
 
 use super::places::{Body, node_weights, row_weights, unsupported};
 use super::{Elements, StructureError, Structures, dofs};
@@ -31,13 +32,25 @@ pub struct StaticState {
     pub free_gaps: Vec<f64>,
     /// Where the structure rests, and the forces of its contacts there.
     pub rest: RestState,
+    /// What acts on each rigid-body motion of a structure that floats, N/√kg; empty where nothing does.
+    pub steady: Vec<f64>,
+    /// The same as a force on the degrees of freedom of a structure that is not reduced.
+    pub carried: Option<SteadyForce>,
+    /// Work of that force from the place of `displacement` to rest, J.
+    work: f64,
 }
 
 impl StaticState {
     /// Energy of the structure and of its elastic stops at rest, above that of the place with open contacts, J:
-    /// `½ λᵀ (F + C) λ = −½ λᵀ g`.
+    /// `½ λᵀ (F + C) λ = −½ λᵀ g`; with a force on rigid-body motions, whose work `pᵀ η` counts, `−½ λᵀ g − ½ pᵀ η`.
     pub fn energy(&self) -> f64 {
-        self.rest.forces.iter().zip(&self.free_gaps).map(|(force, gap)| -0.5 * force * gap).sum()
+        self.rest.forces.iter().zip(&self.free_gaps).map(|(force, gap)| -0.5 * force * gap).sum::<f64>()
+            - 0.5 * self.work
+    }
+
+    /// Whether contacts alone carry the structure, which floats without them.
+    pub fn is_carried(&self) -> bool {
+        !self.steady.is_empty()
     }
 
     /// Displacement of a contact toward its stop under the loads with the contacts open, m.
@@ -58,9 +71,19 @@ enum Moved {
 pub(super) fn of_open(
     scene: &Scene,
     modes: &OpenModes,
-    files: Option<&FeModel>,
+    (files, dofs): (Option<&FeModel>, &[Dof]),
 ) -> Result<Option<StaticState>, StructureError> {
-    let moved = match (&scene.structure, files) {
+    state(scene, modes, (files, dofs), None)
+}
+
+/// The same; a force that contacts alone balance is carried by the degrees of freedom with `mass`, where that is given.
+fn state(
+    scene: &Scene,
+    modes: &OpenModes,
+    (files, dofs): (Option<&FeModel>, &[Dof]),
+    mass: Option<&SparseMatrix>,
+) -> Result<Option<StaticState>, StructureError> {
+    let mut moved = match (&scene.structure, files) {
         (SceneStructure::Matrices(matrices), Some(model)) => of_files(&scene.static_loads, matrices, model)?,
         (SceneStructure::Reduced(_), _) => of_rows(&scene.static_loads, modes.n_dofs())?,
         (structure, _) => of_bodies(&scene.static_loads, structure.bodies())?,
@@ -68,8 +91,19 @@ pub(super) fn of_open(
     if moved.is_none() && modes.gaps().iter().all(|gap| *gap >= 0.0) {
         return Ok(None);
     }
-    if modes.floats() && !scene.static_loads.is_empty() {
-        return Err(StructureError::FloatsUnderLoad { key: first_key(&scene.static_loads) });
+    let key = first_key(&scene.static_loads);
+    let refused = |error: ReductionError| falls(error, key, dofs);
+    let push = match &moved {
+        Some(Moved::Displacement(_)) if modes.floats() => return Err(StructureError::FloatsUnderLoad { key }),
+        Some(Moved::Force(force)) => on_rigid_motions(modes, force),
+        _ => Vec::new(),
+    };
+    let pushed =
+        if push.is_empty() { modes.clone() } else { modes.clone().with_steady_force(push).map_err(refused)? };
+    let steady = pushed.steady_force().iter().copied().take(modes.n_rigid()).collect::<Vec<f64>>();
+    let carried = mass.filter(|_| !steady.is_empty()).map(|mass| carried(modes, mass, &steady)).transpose()?;
+    if let (Some(Moved::Force(force)), Some(carried)) = (&mut moved, &carried) {
+        force.iter_mut().zip(&carried.force).for_each(|(force, own)| *force -= own);
     }
     let (displacement, modal) = match moved {
         None => (vec![0.0; modes.n_dofs()], vec![0.0; modes.n_modes()]),
@@ -82,15 +116,80 @@ pub(super) fn of_open(
     };
     let column = Mat::from_fn(displacement.len(), 1, |i, _| displacement[i]);
     let opening: Vec<f64> = multiply_transposed(modes.directions(), &column).col(0).iter().copied().collect();
-    let gaps: Vec<f64> = modes.gaps().iter().zip(&opening).map(|(gap, opening)| gap + opening).collect();
-    let loaded = modes.with_stops(gaps.clone(), modes.stop_compliance().to_vec())?;
-    let rest = if loaded.floats() {
-        RestState::default()
-    } else {
-        let solver = solver_by_name("active-set").map_err(StructureError::Rest)?;
-        loaded.rest(&[], solver.as_ref())?
+    let free_gaps: Vec<f64> = modes.gaps().iter().zip(&opening).map(|(gap, opening)| gap + opening).collect();
+    let loaded = pushed.with_stops(free_gaps.clone(), modes.stop_compliance().to_vec())?;
+    let solver = solver_by_name("active-set").map_err(StructureError::Rest)?;
+    // What the carried force strains is not in the gaps.
+    let load = carried.as_ref().map(|carried| modes.load(&carried.force)).transpose()?;
+    let beside = load.clone().map(|mut load| {
+        load.modal[..steady.len()].fill(0.0);
+        load
+    });
+    let rest = match loaded.rest(beside.as_ref().as_slice(), solver.as_ref()) {
+        // Nothing holds it at a stop that it interferes with: it gives way.
+        Err(ReductionError::FloatingRest) if steady.is_empty() => RestState::default(),
+        rest => rest.map_err(refused)?,
     };
-    Ok(Some(StaticState { displacement, modal, opening, free_gaps: gaps, rest }))
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let work = match (&carried, &load) {
+        (Some(carried), Some(load)) => {
+            product(&load.modal, &rest.eta)
+                + product(&load.gaps, &rest.forces)
+                + product(&carried.force, &load.residual)
+        }
+        _ => product(&steady, &rest.eta),
+    };
+    Ok(Some(StaticState { displacement, modal, opening, free_gaps, rest, steady, carried, work }))
+}
+
+/// Share of the sum of its parts up to which a force on a rigid-body motion is in balance.
+const BALANCED: f64 = 1e-9;
+
+/// `Φᵀ f` of the rigid-body motions; empty where the force is in balance by itself.
+fn on_rigid_motions(modes: &OpenModes, force: &[f64]) -> Vec<f64> {
+    let parts = |r: usize| force.iter().enumerate().map(move |(i, f)| modes.shapes()[(i, r)] * f);
+    let rigid = 0..modes.n_rigid();
+    let most = rigid.clone().map(|r| parts(r).map(f64::abs).sum::<f64>()).fold(0.0, f64::max);
+    let on: Vec<f64> = rigid.map(|r| parts(r).sum()).collect();
+    if on.iter().all(|p: &f64| p.abs() <= BALANCED * most) { Vec::new() } else { on }
+}
+
+/// The force with these resultants `p` on the rigid-body motions that the inertia of `mass` has in them,
+/// `f = M Φ_r (Φ_rᵀ M Φ_r)⁻¹ p`, and those of the motions that contacts feel.
+fn carried(modes: &OpenModes, mass: &SparseMatrix, p: &[f64]) -> Result<SteadyForce, StructureError> {
+    let shapes = modes.shapes().subcols(0, p.len()).to_owned();
+    let inertia = multiply_many(mass, &shapes);
+    let mut share = p.to_vec();
+    DenseLu::factor(&(shapes.transpose() * &inertia))?.solve_in_place(&mut share);
+    let along = |i: usize| share.iter().enumerate().map(|(r, share)| inertia[(i, r)] * share).sum();
+    let unfelt = modes.unfelt_motions();
+    let felt: Vec<usize> = (0..p.len()).filter(|r| !unfelt.contains(r)).collect();
+    let motions = Mat::from_fn(shapes.nrows(), felt.len(), |i, k| shapes[(i, felt[k])]);
+    Ok(SteadyForce { force: (0..shapes.nrows()).map(along).collect(), motions })
+}
+
+/// Why a structure that floats does not rest under a load.
+fn falls(error: ReductionError, key: &'static str, dofs: &[Dof]) -> StructureError {
+    let place = |motion: &[f64]| {
+        let largest = (0..motion.len().min(dofs.len())).max_by(|a, b| motion[*a].abs().total_cmp(&motion[*b].abs()));
+        largest.map_or_else(String::new, |dof| {
+            let Dof { node, kind, .. } = dofs[dof];
+            let sign = if motion[dof] < 0.0 { "-" } else { "+" };
+            format!("; node {node} goes farthest, to {sign}{}", kind.name())
+        })
+    };
+    match error {
+        ReductionError::FallsAway { motion } => {
+            StructureError::Falls { key, why: "no forces of its contacts balance the load", place: place(&motion) }
+        }
+        ReductionError::FallsUnfelt { motion } => StructureError::Falls {
+            key,
+            why: "it moves as a rigid body in a way that no contact feels",
+            place: place(&motion),
+        },
+        ReductionError::FloatingRest => StructureError::Tips { key },
+        error => error.into(),
+    }
 }
 
 /// The key of the first of these loads.
@@ -119,21 +218,29 @@ pub(super) fn of_model(
     let count = (RIGID_MOTIONS * scene.structure.bodies().len().max(2) + 1).min(model.dofs().len());
     let modes = OpenModes::of_model(model, ModeCount::Lowest(count))?;
     let files = scene.structure.matrices().map(|matrices| structures.model(&matrices.files)).transpose()?;
-    of_open(scene, &modes, files.as_deref())
+    let redistributed = super::redistribution(scene).map(|rule| rule.redistribute(model)).transpose()?;
+    state(scene, &modes, (files.as_deref(), model.dofs()), Some(redistributed.as_ref().unwrap_or(model.mass())))
 }
 
-/// The model with the gaps that the loads leave.
+/// The model with the gaps that the loads leave, and the force that its contacts carry.
 pub(super) fn moved(model: StructuralModel, state: &StaticState) -> Result<StructuralModel, StructureError> {
     let contacts = model.contacts().iter().zip(&state.free_gaps);
     let contacts = contacts.map(|(of, &gap)| Contact { gap, ..of.clone() }).collect();
-    Ok(model.with_contacts(contacts)?)
+    let model = model.with_contacts(contacts)?;
+    Ok(match &state.carried {
+        Some(carried) => model.with_steady_force(carried.clone())?,
+        None => model,
+    })
 }
 
-/// Displacements under a force with the contacts open, `K⁻¹ f`, and the modal coordinates of them.
+/// Displacements under a force with the contacts open, `K⁻¹ f`, and the modal coordinates of them; those of what floats
+/// stay where they are.
 fn under(modes: &OpenModes, force: &[f64]) -> Result<(Vec<f64>, Vec<f64>), StructureError> {
     let load = modes.load(force)?;
     let mut displacement = load.residual.clone();
-    let modal: Vec<f64> = load.modal.iter().zip(modes.omega_squared()).map(|(p, square)| p / square).collect();
+    let rigid = modes.n_rigid();
+    let answer = |(r, (p, square)): (usize, (&f64, &f64))| if r < rigid { 0.0 } else { p / square };
+    let modal: Vec<f64> = load.modal.iter().zip(modes.omega_squared()).enumerate().map(answer).collect();
     for (r, eta) in modal.iter().enumerate() {
         displacement.iter_mut().enumerate().for_each(|(i, q)| *q += modes.shapes()[(i, r)] * eta);
     }
@@ -189,7 +296,7 @@ fn thermal(body: &Body, structure: &Structure, strain: f64) -> Result<Vec<f64>, 
     let stretched: Vec<f64> =
         free.dofs().iter().map(|dof| if dof.kind == DofKind::Axial { strain * dof.position } else { 0.0 }).collect();
     let push = multiply(free.stiffness(), &stretched);
-    let of = |dof: &nlmodes::model::Dof| {
+    let of = |dof: &Dof| {
         let same = free.dofs().iter().position(|other| (other.node, other.kind) == (dof.node, dof.kind));
         same.map_or(0.0, |i| push[i])
     };

@@ -117,7 +117,13 @@ fn rigid_body(structure: &Structure, diagnostics: &mut Diagnostics<'_>) {
         1 => "its first mode is a rigid-body motion".to_owned(),
         _ => format!("its first {left} modes are rigid-body motions"),
     };
-    let help = format!("{modes} at 0 Hz; method.mode = {} is the first that vibrates", left + 1);
+    let is_loaded = ["gravity", "static_force"].into_iter().any(|key| diagnostics.has(key));
+    let help = match is_loaded {
+        true => "under its static loads its contacts alone carry it; of its rigid-body motions only those that no \
+            contact feels are modes of 0 Hz, which come first"
+            .to_owned(),
+        false => format!("{modes} at 0 Hz; method.mode = {} is the first that vibrates", left + 1),
+    };
     diagnostics.put("structure.start", Diagnostic::warning(title).help(help), label);
 }
 

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::short;
-use crate::assemble::OpenStructure;
+use crate::assemble::{OpenStructure, StaticState};
 use crate::scene::Scene;
 
 /// Squared frequencies that differ by less than this share are not told apart.
@@ -47,18 +47,27 @@ fn repeated(open: &OpenStructure, mode: usize) -> Option<String> {
 /// A structure that floats, in which the forces of the contacts cannot balance each other: the mean of what acts on it
 /// vanishes in a periodic motion. And motions of it that no contact feels.
 fn floating(open: &OpenStructure, rigid: usize, unfelt: usize) -> Option<String> {
-    if rigid > 0 && !contacts_balance(open, rigid) {
+    let is_carried = open.state.as_ref().is_some_and(StaticState::is_carried);
+    if rigid > 0 && !is_carried && !contacts_balance(open, rigid) {
         return Some(
             "the structure floats, and all contacts push it to the same side: their mean force vanishes in a periodic \
             motion, so that none with contact exists. Stops on the other side, or a support, hold it"
                 .to_owned(),
         );
     }
-    (unfelt > 0 && (open.files.is_some() || open.elsewhere.is_some())).then(|| {
-        format!(
-            "the structure floats, and its contacts do not feel {unfelt} of its {rigid} motions: these are left at rest"
-        )
-    })
+    (unfelt > 0 && (open.files.is_some() || open.elsewhere.is_some())).then(|| left_at_rest(rigid, unfelt))
+}
+
+/// Motions of rods and beams that no contact feels.
+pub(super) fn of_bodies(scene: &Scene, open: &OpenStructure) -> Option<String> {
+    let (rigid, unfelt) = (open.modes.n_rigid(), open.modes.unfelt_motions().len());
+    (unfelt > 0 && scene.responses.is_empty() && scene.method.mode > unfelt).then(|| left_at_rest(rigid, unfelt))
+}
+
+fn left_at_rest(rigid: usize, unfelt: usize) -> String {
+    format!(
+        "the structure floats, and its contacts do not feel {unfelt} of its {rigid} motions: these are left at rest"
+    )
 }
 
 /// Whether forces of the contacts can balance each other in all of the first `rigid` modes: whether some of them, none

@@ -49,7 +49,8 @@ fn share(open: &OpenStructure, i: usize) -> String {
     let first = modes.shapes().row(i).iter().take(FIRST).map(|y| short(*y)).collect::<Vec<_>>().join(", ");
     let whole = short(residual + modal);
     let percent = number((1000.0 * modal / (residual + modal)).round() / 10.0);
-    format!("row {}: {whole} m/N, {percent} % of it in the modes; {first} 1/√kg in the first", i + 1)
+    let of_modes = if residual + modal > 0.0 { format!(", {percent} % of it in the modes") } else { String::new() };
+    format!("row {}: {whole} m/N{of_modes}; {first} 1/√kg in the first", i + 1)
 }
 
 fn contact(of: &RowContact) -> String {

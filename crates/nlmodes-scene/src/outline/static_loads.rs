@@ -70,16 +70,23 @@ fn at_rest(state: &StaticState) -> Vec<Row> {
     let closed = rest.closed.iter().filter(|closed| **closed).count();
     let said = match closed {
         0 => "all stops are open".to_owned(),
+        n if state.is_carried() => {
+            format!("{} of {} closed, which carry the structure", n, counted(state.free_gaps.len(), "stop"))
+        }
         n => format!("{} of {} closed", n, counted(state.free_gaps.len(), "stop")),
     };
     let stop = |(i, gap): (usize, &f64)| {
         let gap = short(*gap);
+        let (gap, where_) = match state.is_carried() {
+            true => (short(state.free_gaps[i] + state.toward(i)), "in the drawing"),
+            false => (gap, "under the loads with open stops"),
+        };
         let text = match (rest.closed.get(i), rest.forces.get(i)) {
             (Some(true), Some(force)) => format!("closed, {} N", short(*force)),
             (Some(false), _) => format!("open by {} m", short(rest.gaps[i])),
             _ => "not known, since the structure floats".to_owned(),
         };
-        row("", format!("stop {i}: gap {gap} m under the loads with open stops; {text}"))
+        row("", format!("stop {i}: gap {gap} m {where_}; {text}"))
     };
     let each = state.free_gaps.iter().enumerate().take(LISTED).map(stop);
     std::iter::once(row("at rest", said)).chain(each).collect()

@@ -29,7 +29,9 @@ pub fn rows(scene: &Scene, open: Option<&OpenStructure>, state: Option<&StaticSt
     rows.extend(open.map(|open| matrices::reduction(scene, open)));
     rows.push(row("method", method(scene)));
     if scene.responses.is_empty() {
-        rows.push(row("branch", branch(&scene.continuation, scene.method.mode)));
+        let is_pressed = state.is_some_and(|state| state.rest.closed.contains(&true));
+        let reference = if is_pressed { "lift-off" } else { "grazing" };
+        rows.push(row("branch", branch(&scene.continuation, scene.method.mode, reference)));
     }
     rows.extend(responses::rows(scene));
     rows.push(row("results", scene.output_directory.display().to_string()));
@@ -169,15 +171,16 @@ fn method(scene: &Scene) -> String {
     )
 }
 
-fn branch(continuation: &Continuation, mode: usize) -> String {
+fn branch(continuation: &Continuation, mode: usize, reference: &str) -> String {
     let from = match continuation.start() {
-        Start::Grazing => "from grazing".into(),
+        Start::Grazing => format!("from {reference}"),
         Start::Frequency { hz, direction } => format!("from {} Hz, {}", number(hz), direction.name()),
         Start::Energy { ratio, direction } => {
-            format!("from {} times the grazing energy, {}", number(ratio), direction.name())
+            format!("from {} times the {reference} energy, {}", number(ratio), direction.name())
         }
     };
-    let energy = continuation.max_energy_ratio.map(|ratio| format!("to {} times the grazing energy", number(ratio)));
+    let energy =
+        continuation.max_energy_ratio.map(|ratio| format!("to {} times the {reference} energy", number(ratio)));
     let window = continuation.frequency_hz.map(|[low, high]| format!("within {} to {} Hz", number(low), number(high)));
     let points = format!("at most {} points", continuation.max_points);
     let arms = match continuation.at_branch_point {

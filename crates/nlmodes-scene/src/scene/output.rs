@@ -91,6 +91,10 @@ pub struct OutputFiles {
     pub figure_titles: bool,
     /// Whether the largest stress of each point is recovered, where the elements are known
     pub stress: bool,
+    /// Most memory that the stresses of the modes of solids may take, GB: of larger structures none is recovered, which
+    /// the run says
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub stress_memory_gb: f64,
 }
 
 impl Default for OutputFiles {
@@ -103,6 +107,7 @@ impl Default for OutputFiles {
             figure_width_mm: None,
             figure_titles: true,
             stress: true,
+            stress_memory_gb: 2.0,
         }
     }
 }

@@ -2,6 +2,7 @@
 //! more.
 
 mod against_ms_hbm;
+mod bouncing;
 mod contact_figures;
 mod forced;
 mod invariants;

@@ -96,11 +96,12 @@ impl ComputedBranch {
         };
         let BranchEnd { reasons, message, complete } = &mut self.branch.end;
         *message += &format!(
-            ", but not on the nonlinear mode {own}: at point {point} ({hz:.4} Hz, {energy:.4} grazing energies) the \
+            ", but not on the nonlinear mode {own}: at point {point} ({hz:.4} Hz, {energy:.4} {word} energies) the \
                 branch left it for {other}, \
              {harmonic} periods of which fill one here{advice}",
             harmonic = left.harmonic,
             own = self.settings.mode,
+            word = self.grazing.word(),
             point = left.point,
             hz = at.omega / TAU,
             energy = at.kinetic_energy / self.grazing.energy,

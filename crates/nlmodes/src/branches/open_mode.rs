@@ -67,6 +67,7 @@ fn is_suited(model: &MasslessContactModel, settings: &BranchSettings) -> bool {
         && model.contact_dofs().len() > FEW
         && model.linear_dofs().iter().all(|&i| dofs[i].kind == DofKind::Modal)
         && model.contacts().iter().all(|contact| contact.gap > 0.0)
+        && model.steady_force().is_none()
         && settings.method == BranchMethod::HarmonicBalance
         && settings.accuracy.is_none()
         && settings.held_modes.is_none()

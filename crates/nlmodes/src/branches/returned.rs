@@ -16,7 +16,8 @@ impl ComputedBranch {
             return;
         }
         let mode = self.settings.mode;
-        let grazing = self.grazing.energy;
+        let (grazing, word) = (self.grazing.energy, self.grazing.word());
+        let without = if self.grazing.lifts_off { "no stop opens" } else { "without contact" };
         let BranchEnd { reasons, message, complete } = &mut self.branch.end;
         if !reasons.contains(&EndReason::MinEnergy) {
             return;
@@ -25,9 +26,8 @@ impl ComputedBranch {
         let [at, highest] = [at, highest].map(|point| (point, &self.branch.points[point]));
         *complete = false;
         *message += &format!(
-            ": at point {} the branch came back to grazing, and went on along the linear mode {mode}, without contact; \
-                at most, at point {} ({:.4} Hz), it had {:.4} \
-             grazing energies, and what lies beyond that was not found",
+            ": at point {} the branch came back to {word}, and went on along the linear mode {mode}, {without}; at \
+            most, at point {} ({:.4} Hz), it had {:.4} {word} energies, and what lies beyond that was not found",
             at.0,
             highest.0,
             highest.1.omega / TAU,

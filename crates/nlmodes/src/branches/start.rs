@@ -79,10 +79,10 @@ impl Target {
     }
 
     /// What it is to seek it, in words.
-    fn sought(self) -> String {
+    fn sought(self, start: &Grazing) -> String {
         match self {
             Self::Frequency(hz) => format!("looking for the backbone at {hz:.4} Hz"),
-            Self::Energy(ratio) => format!("looking for the backbone at {ratio} grazing energies"),
+            Self::Energy(ratio) => format!("looking for the backbone at {ratio} {} energies", start.word()),
         }
     }
 
@@ -125,7 +125,7 @@ pub(super) fn seed(
             return Ok(seed);
         }
     };
-    settings.watch.begins(target.sought())?;
+    settings.watch.begins(target.sought(start))?;
     let mut other = periodic(structure, settings, start)?;
     match on_backbone(&mut other, settings, start, target, log) {
         Ok((x, p)) => {
@@ -148,7 +148,7 @@ pub(super) fn refined(
     upward: bool,
     log: &mut dyn RunLog,
 ) -> Result<Seed, BranchError> {
-    settings.watch.begins(target.sought())?;
+    settings.watch.begins(target.sought(start))?;
     let mut failure = None;
     let harmonic = BranchSettings {
         method: BranchMethod::HarmonicBalance,
@@ -267,7 +267,8 @@ fn on_backbone(
         (_, last) => {
             let (omega, p) = last.map_or((start.omega, 0.0), |point| (problem.omega(&point.x), point.p));
             let [from, to] = [start.omega / TAU, omega / TAU];
-            let reason = format!("the branch leads from {from:.4} to {to:.4} Hz and {:.4} grazing energies", p.exp());
+            let (energy, word) = (p.exp(), start.word());
+            let reason = format!("the branch leads from {from:.4} to {to:.4} Hz and {energy:.4} {word} energies");
             Err(target.not_found(reason))
         }
     }

@@ -33,7 +33,8 @@ struct Tangent {
 /// As [`modal_lift_off`] but for modes that move no contact, [`HbmError::NoSuchMode`], [`HbmError::RigidBodyMode`],
 /// [`HbmError::PressedAtRest`] or [`HbmError::Linalg`].
 pub fn modal_start(structure: &ModalStructure, mode: usize, energy: Option<f64>) -> Result<ModalGrazing, HbmError> {
-    if let Some(contact) = structure.gaps().iter().position(|g| *g < 0.0) {
+    if structure.is_pressed() {
+        let contact = structure.gaps().iter().position(|g| *g < 0.0).unwrap_or(0);
         return Err(HbmError::PressedAtRest { contact, gap: structure.gaps()[contact] });
     }
     let Tangent { omega_squared, shape } = tangent_mode(structure, mode)?;

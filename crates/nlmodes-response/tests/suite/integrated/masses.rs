@@ -11,6 +11,7 @@ use num_complex::Complex64;
 
 /// Two masses on springs (NLvib's third example), `M = m I`, `K = k [1 −1; −1 2]`, `C = damping K √(m/k)`, a spring of
 /// `stop k` (100 in the example) at the distance `gap` from the first one, a force at the second.
+#[derive(Clone, Copy)]
 pub struct Masses {
     pub mass: f64,
     pub stiffness: f64,
@@ -29,9 +30,9 @@ impl Masses {
         (self.stiffness / self.mass).sqrt()
     }
 
-    /// The size of the gap, m.
+    /// The size of the gap, m; a millimetre where there is none.
     pub fn size(&self) -> f64 {
-        self.gap.abs()
+        if self.gap == 0.0 { 1e-3 } else { self.gap.abs() }
     }
 
     pub fn model(&self) -> ResponseModel {

@@ -12,8 +12,8 @@ use nlmodes_scene::scene::Scene;
 use crate::Failure;
 use crate::curve::Instants;
 
-/// Most memory that stresses of shapes take, bytes: of larger structures they are not recovered.
-const MOST_BYTES: f64 = 2e9;
+/// Memory of the stress of one shape at a node, bytes: six components and the equivalent stress.
+const BYTES: f64 = 56.0;
 
 /// Stress of each shape of which motions are made, at the nodes of solids: of the modes, of the contact forces beyond
 /// these, of the loads beyond these, and of the static loads.
@@ -47,13 +47,11 @@ impl Solids {
     /// # Errors
     /// [`Failure`] for elements that are inside out.
     pub fn of(scene: &Scene, open: &OpenStructure, loads: &[Vec<f64>]) -> Result<Option<Self>, Failure> {
-        let Some((model, _)) = &open.files else { return Ok(None) };
-        let Some(mesh) = model.mesh.as_ref().filter(|_| scene.static_loads.thermal.is_none()) else { return Ok(None) };
-        let Some(solids) = solids(mesh) else { return Ok(None) };
-        let shapes = open.modes.n_modes() + open.modes.n_contacts() + loads.len() + 1;
-        if 56.0 * (shapes * mesh.places.len()) as f64 > MOST_BYTES {
+        let Some((model, mesh, solids)) = known(scene, open) else { return Ok(None) };
+        if Self::left_out(scene, open, loads.len()).is_some() {
             return Ok(None);
         }
+        let shapes = shapes(open, loads.len());
         let found = NodalStress::of(&mesh.places, &solids, &displacements(open, (model, mesh), loads))?;
         let of = |node: usize, shape: usize| std::array::from_fn(|i| found.values[(6 * node + i, shape)]);
         let mises = Mat::from_fn(found.nodes.len(), shapes, |node, shape| von_mises(of(node, shape)));
@@ -63,6 +61,21 @@ impl Solids {
             stress: found.values,
             mises,
         }))
+    }
+
+    /// Why stress that could be recovered is not: it would take more memory than the scene allows.
+    pub fn left_out(scene: &Scene, open: &OpenStructure, loads: usize) -> Option<String> {
+        let (_, mesh, _) = known(scene, open)?;
+        let (needed, most) =
+            (BYTES * (shapes(open, loads) * mesh.places.len()) as f64 / 1e9, scene.files.stress_memory_gb);
+        (needed > most).then(|| {
+            format!(
+                "no stress is recovered: those of all shapes would take {} GB of memory, more than the {} GB of \
+                output.stress_memory_gb",
+                nlmodes_scene::significant(needed, 2),
+                nlmodes_scene::number(most)
+            )
+        })
     }
 
     /// The largest equivalent stress at these instants, and the number of its node.
@@ -109,6 +122,18 @@ impl Solids {
     fn at(&self, node: usize, x: &Mat<f64>, k: usize) -> [f64; 6] {
         std::array::from_fn(|i| (0..x.nrows()).map(|j| self.stress[(6 * node + i, j)] * x[(j, k)]).sum())
     }
+}
+
+/// The model with its mesh and the solids of that, where their stress is known.
+fn known<'a>(scene: &Scene, open: &'a OpenStructure) -> Option<(&'a FeModel, &'a Mesh, Vec<Solid>)> {
+    let (model, _) = open.files.as_ref()?;
+    let mesh = model.mesh.as_ref().filter(|_| scene.static_loads.thermal.is_none())?;
+    Some((model, mesh, solids(mesh)?))
+}
+
+/// Number of shapes of which motions are made.
+fn shapes(open: &OpenStructure, loads: usize) -> usize {
+    open.modes.n_modes() + open.modes.n_contacts() + loads + 1
 }
 
 /// Coordinates of the shapes, a column an instant.
