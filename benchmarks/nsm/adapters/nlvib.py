@@ -1,0 +1,98 @@
+#!/usr/bin/env python3
+"""Answers of NLvib in GNU Octave (needs NumPy, SciPy, Octave and NLvib, whose folder is given).
+
+    python3 benchmarks/nsm/adapters/nlvib.py NLVIB OUT.json [--harmonics 21] [--samples 48] [01 02 ...]
+
+Samples a period are a power of two, at least so many times the harmonics. Rigid stops before coordinates without mass are given as the elastic stops that
+they are to the others. Motions that do not begin at grazing, subharmonic ones and multipliers are not asked of it.
+"""
+
+import argparse
+import json
+import math
+import pathlib
+import subprocess
+import tempfile
+
+import numpy as np
+from common import grazing, mode_number, problems, system_of, write
+from scipy.io import savemat
+
+WINDOWS = {"22": (0.7, 1.6), "23": (0.7, 1.8), "24": (0.8, 0.55), "26": (1.5, 1.75), "29": (0.8, 0.7), "28": (0.8, 1.8)}
+
+
+def inputs(problem, case, words):
+    """What `nlvib_case.m` reads, or the reason why there is nothing to compute."""
+    if problem["kind"] in ("impact", "bar", "subharmonic"):
+        return "not computed"
+    if "doubling" in case["branch"]:
+        return "not computed"
+    system, heavy = system_of(problem)
+    given = {
+        "M": system.mass, "C": system.damping, "K": system.stiffness, "force": system.force, "ds": words.ds, "samples": words.samples,
+        "harmonics": words.harmonics, "directions": np.array([s.direction for s in system.stops]).T, "is_free": float("load" not in problem),
+        "gaps": np.array([s.gap for s in system.stops], dtype=float), "stiffnesses": np.array([s.stiffness for s in system.stops], dtype=float),
+    }
+    if "load" in problem:
+        begins, ends = WINDOWS[problem["id"]]
+        drive = heavy.index(int(np.flatnonzero(problem["load"]["vector"])[0]))
+        near = list(case["near"].values())[0]
+        fold = "fold" in case["branch"]
+        return {**given, "begins": begins, "ends": ends, "drive": drive + 1.0, "near": near, "asks_fold": float(fold),
+                "asks_lag": float(problem["kind"] == "phase-resonance"), "omega": case["at"].get("frequency", 0.0)}
+    begin = grazing(system, mode_number(case))
+    if not begin:
+        return "no branch from rest is known to it"
+    ref = int(np.argmax(np.abs(begin[1])))
+    return {**given, "omega": begin[0], "shape": begin[1], "grazing_energy": begin[3], "energy": case["at"]["mean_kinetic_energy"], "ref": ref + 1.0}
+
+
+def answer(problem, case, words, folder):
+    given = inputs(problem, case, words)
+    if isinstance(given, str):
+        return {"note": given}
+    savemat(folder / "case.mat", given)
+    out = folder / "out.json"
+    here = pathlib.Path(__file__).resolve().parent
+    call = f"warning('off', 'all'); addpath('{here}'); nlvib_case('{words.nlvib}', '{folder / 'case.mat'}', '{out}')"
+    try:
+        ended = subprocess.run(["octave-cli", "--no-init-file", "--quiet", "--eval", call], capture_output=True, text=True, timeout=words.timeout)
+    except subprocess.TimeoutExpired:
+        return {"note": f"not within {words.timeout} s"}
+    if not out.exists():
+        said = [line for line in ended.stderr.splitlines() if line.startswith("error:")] or ["nothing was said"]
+        return {"note": "lost the branch: " + said[0].removeprefix("error: ")[:80]}
+    found = json.loads(out.read_text())
+    values = {"frequency": found.get("frequency"), "damping_ratio": found.get("damping_ratio")}
+    impulses = found.get("impulses", [])
+    for j, value in enumerate(impulses if isinstance(impulses, list) else [impulses]):
+        values[f"impulse[{j}]"] = value
+    for a in case["asked"]:
+        if a["name"].startswith("amplitude"):
+            values[a["name"]] = found.get("amplitude")
+    got = {a["name"]: values[a["name"]] for a in case["asked"] if values.get(a["name"]) is not None}
+    return {**got, "cpu_s": round(found["cpu_s"], 3)} if all(map(math.isfinite, got.values())) and got else {"note": "no number"}
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("nlvib")
+    parser.add_argument("out")
+    parser.add_argument("numbers", nargs="*")
+    parser.add_argument("--harmonics", type=int, default=21)
+    parser.add_argument("--samples", type=int, default=48)
+    parser.add_argument("--ds", type=float, default=0.01)
+    parser.add_argument("--timeout", type=float, default=300.0)
+    words = parser.parse_args()
+    answers = {}
+    for problem in problems(words.numbers):
+        for case in problem["cases"]:
+            with tempfile.TemporaryDirectory() as place:
+                answers[case["case"]] = answer(problem, case, words, pathlib.Path(place))
+            print(case["case"], answers[case["case"]], flush=True)
+    samples = 2 ** math.ceil(math.log2(words.samples * words.harmonics))
+    write(words.out, "NLvib 1.3", f"{words.harmonics} harmonics, {samples} samples", answers)
+
+
+if __name__ == "__main__":
+    main()
