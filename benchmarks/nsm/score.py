@@ -5,8 +5,10 @@
     python3 benchmarks/nsm/score.py --blank > mine.json       a file of answers to be filled in
     python3 benchmarks/nsm/score.py --list                    the problems in words
 
-The error of a case is the largest relative error of the quantities that it asks for, those that are not answered left out but counted; below the
-agreement of the two references it counts as that. A case is solved to three digits if all its quantities are answered with errors of at most 1e-3.
+The error of a case is the largest relative error of the quantities that it asks for, those that are not answered left
+out but counted; below the
+agreement of the two references it counts as that. A case is solved to three digits if all its quantities are answered
+with errors of at most 1e-3.
 """
 
 import argparse
@@ -59,7 +61,9 @@ class Score:
 
 
 def summary(scores, known):
-    print(f"| program | settings | answered, of {len(known)} | to 2 digits | to 3 | to 6 | to 9 | median error | CPU, s, median |")
+    print(
+        f"| program | settings | answered, of {len(known)} | to 2 digits | to 3 | to 6 | to 9 | median error | CPU, s, median |"
+    )
     print("| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |")
     for s in scores:
         middle = f"{statistics.median(s.errors.values()):.0e}" if s.errors else ""
@@ -92,7 +96,10 @@ def listing(found):
     for problem in found:
         print(f"{problem['id']}  {problem['title']}\n    {problem['statement']}")
         for case in problem["cases"]:
-            at = ", ".join(f"{k} {v:.9g}" for k, v in {**case["at"], **{f'near {k}': v for k, v in case.get('near', {}).items()}}.items())
+            at = ", ".join(
+                f"{k} {v:.9g}"
+                for k, v in {**case["at"], **{f"near {k}": v for k, v in case.get("near", {}).items()}}.items()
+            )
             print(f"    {case['case']}: {case['branch']}; {at}: {', '.join(a['name'] for a in case['asked'])}?")
 
 

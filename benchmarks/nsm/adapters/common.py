@@ -34,7 +34,8 @@ def mode_number(case):
 
 
 def grazing(system, number):
-    """Frequency, shape, amplitude and mean kinetic energy of the linear mode that just reaches a stop; None where a stop touches or presses at rest."""
+    """Frequency, shape, amplitude and mean kinetic energy of the linear mode that just reaches a stop; None where a
+    stop touches or presses at rest."""
     omega, shape = linear_mode(system, number)
     ratios = [abs(s.direction @ shape) / s.gap for s in system.stops if s.gap > 0]
     if len(ratios) < len(system.stops):
@@ -45,7 +46,8 @@ def grazing(system, number):
 
 
 def passed(x, level, *columns, order=3):
-    """Values of the columns where the curve x passes a level, in its order, by polynomials over the length of the curve."""
+    """Values of the columns where the curve x passes a level, in its order, by polynomials over the length of the
+    curve."""
     found = []
     x, columns = np.asarray(x, dtype=float), [np.asarray(c, dtype=float) for c in columns]
     for k in range(len(x) - 1):
@@ -57,7 +59,9 @@ def passed(x, level, *columns, order=3):
         steps = [np.diff(c[part]) / (np.ptp(c[part]) or 1.0) for c in columns] + [np.diff(x[part]) / size]
         s = np.concatenate([[0.0], np.cumsum(np.sqrt(sum(d**2 for d in steps)) + 1e-300)])
         low, high = s[k - a], s[k + 1 - a]
-        fit = lambda values: np.polynomial.polynomial.Polynomial(np.linalg.solve(np.vander(s / s[-1], increasing=True), values))
+        fit = lambda values: np.polynomial.polynomial.Polynomial(
+            np.linalg.solve(np.vander(s / s[-1], increasing=True), values)
+        )
         curve = fit(x[part])
         for _ in range(80):
             mid = 0.5 * (low + high)
@@ -86,4 +90,6 @@ class Clock:
 
 
 def write(path, program, settings, answers):
-    pathlib.Path(path).write_text(json.dumps({"program": program, "settings": settings, "answers": answers}, indent=1) + "\n")
+    pathlib.Path(path).write_text(
+        json.dumps({"program": program, "settings": settings, "answers": answers}, indent=1) + "\n"
+    )

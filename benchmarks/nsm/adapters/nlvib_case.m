@@ -1,5 +1,6 @@
 function nlvib_case(nlvib, file, out)
-% One case by NLvib: reads `file` (written by nlvib.py), writes the values as JSON. NLvib's own functions compute; the last point is refined here by
+% One case by NLvib: reads `file` (written by nlvib.py), writes the values as JSON. NLvib's own functions compute; the
+% last point is refined here by
 % Newton's method on NLvib's residual with the condition that the case adds.
 addpath(fullfile(nlvib, 'SRC'), fullfile(nlvib, 'SRC', 'MechanicalSystems'));
 c = load(file);
@@ -25,18 +26,19 @@ fclose(file);
 end
 
 function answer = free_motion(sys, c, n, H, N)
-% Nonlinear modal analysis from just below grazing; the branch is followed over the logarithm of the modal amplitude until its energy is passed.
+% Nonlinear modal analysis from just below grazing; the branch is followed over the logarithm of the modal amplitude
+% until its energy is passed.
 residual = @(X) HB_residual(X, sys, H, N, 'NMA', double(c.ref));
 phi = c.shape(:) / sqrt(c.shape(:)' * sys.M * c.shape(:));
 Psi = zeros((2 * H + 1) * n, 1);
 Psi(n + (1:n)) = phi;
 first = log10(0.9 * sqrt(c.grazing_energy * 4) / c.omega);
 last = log10(3 * sqrt(c.energy * 4) / c.omega);
-scales = [1e-1 * ones(numel(Psi), 1); c.omega; 1e-2; 1];
+scales = [1e-1 * ones(numel(Psi), 1); c.omega; 1e-6 + 1e-2 * any(c.C(:)); 1];
 passed = @(X) kinetic(X, sys, n, H) > c.energy;
 options = struct('Dscale', scales, 'dynamicDscale', 1, 'stepmax', 600, 'stoponerror', 1, 'dsmin', 1e-6);
 options.termination_criterion = {passed};
-[X, ~] = solve_and_continue([Psi; c.omega; 0], residual, first, last, double(c.ds), options);
+[X, ~] = solve_and_continue([Psi; c.omega; 0], residual, first, last, double(c.ds), options, {}, solver());
 x = X(:, end);
 condition = @(X) kinetic(X, sys, n, H) / c.energy - 1;
 x = refined(residual, condition, x);
@@ -45,13 +47,14 @@ answer.impulses = impulses(x(1:end - 3) * 10 ^ x(end), x(end - 2), c, n, H);
 end
 
 function answer = response(sys, c, n, H, N)
-% Frequency response from one end of the window; each passage of the frequency is refined, and that nearest to the amplitude is the answer.
+% Frequency response from one end of the window; each passage of the frequency is refined, and that nearest to the
+% amplitude is the answer.
 residual = @(X) HB_residual(X, sys, H, N, 'FRF');
 Q1 = (-c.begins ^ 2 * sys.M + 1i * c.begins * sys.D + sys.K) \ sys.Fex1;
 y0 = zeros((2 * H + 1) * n, 1);
 y0(n + (1:2 * n)) = [real(Q1); -imag(Q1)];
 options = struct('Dscale', [ones(size(y0)); c.begins], 'stepmax', 1500, 'dsmin', double(c.ds) / 500);
-[X, ~] = solve_and_continue(y0, residual, c.begins, c.ends, double(c.ds), options);
+[X, ~] = solve_and_continue(y0, residual, c.begins, c.ends, double(c.ds), options, {}, solver());
 size_of = @(x) hypot(x(n + c.drive), x(2 * n + c.drive));
 w = X(end, :);
 if c.asks_fold
@@ -81,6 +84,11 @@ for k = at
     answer = struct('amplitude', size_of(x), 'impulses', impulses(x(1:end - 1), c.omega, c, n, H));
   end
 end
+end
+
+function options = solver()
+% The options of NLvib for fsolve; its own call, optimset(@fsolve), is for MATLAB only.
+options = optimset('Display', 'off', 'Jacobian', 'on', 'MaxIter', 50, 'TolFun', 1e-10, 'TolX', 1e-10);
 end
 
 function x = refined(residual, condition, x)

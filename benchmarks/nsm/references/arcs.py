@@ -1,6 +1,8 @@
-"""The same periodic motions as a boundary-value problem with 50 digits: states at the start, and the durations between events, are unknowns.
+"""The same periodic motions as a boundary-value problem with 50 digits: states at the start, and the durations between
+events, are unknowns.
 
-The order of the events is given (it is that which `flight.py` has found) and checked in the end. A piece is the exponential of a matrix, computed by
+The order of the events is given (it is that which `flight.py` has found) and checked in the end. A piece is the
+exponential of a matrix, computed by
 FLINT (package python-flint) with bounds of its rounding; nothing is shared with `flight.py` but the problem.
 """
 
@@ -37,8 +39,10 @@ def legendre(count):
 class Arcs:
     """Periodic motion of a system with events in a given order.
 
-    `patterns` are the closed stops of each piece; `known` has what is prescribed of `omega`, `level`, `xi` (else it is an unknown), and `conditions`
-    are functions of (self, x) that make up for further unknowns. `periods` is that of the motion over that of the load; of a free motion None.
+    `patterns` are the closed stops of each piece; `known` has what is prescribed of `omega`, `level`, `xi` (else it is
+    an unknown), and `conditions`
+    are functions of (self, x) that make up for further unknowns. `periods` is that of the motion over that of the load;
+    of a free motion None.
     """
 
     def __init__(self, system, patterns, known, unknowns, conditions, periods=None):
@@ -109,7 +113,8 @@ class Arcs:
         return r + [condition(self, x) for condition in self.conditions]
 
     def solve(self, start, steps=60, small=1e-45):
-        """The root of the residual from a start in double precision, by Newton's method with one-sided differences of 1e-30."""
+        """The root of the residual from a start in double precision, by Newton's method with one-sided differences of
+        1e-30."""
         x = [number(v) for v in start]
         h = arb("1e-30")
         for _ in range(steps):
@@ -149,7 +154,10 @@ class Arcs:
         period = sum(self.durations(x), arb(0))
         t, rule = arb(0), legendre(24)
         for pattern, (a, duration, z, _) in zip(self.patterns, self.pieces(x)[0]):
-            parts = max(1, int(float(duration) * float(max(abs(a[i, j]) for i in range(2 * n) for j in range(2 * n))) ** 0.5 / 2))
+            parts = max(
+                1,
+                int(float(duration) * float(max(abs(a[i, j]) for i in range(2 * n) for j in range(2 * n))) ** 0.5 / 2),
+            )
             h = duration / parts
             flows = [((a * (h * node)).exp(), node, weight) for node, weight in rule]
             step = (a * h).exp()

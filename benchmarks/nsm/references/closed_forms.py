@@ -1,4 +1,5 @@
-"""Closed forms: oscillators with one degree of freedom from their harmonic arcs, and the uniform bar from its waves (with mpmath)."""
+"""Closed forms: oscillators with one degree of freedom from their harmonic arcs, and the uniform bar from its waves
+(with mpmath)."""
 
 from mpmath import mp, mpf
 
@@ -6,7 +7,8 @@ mp.dps = 40
 
 
 def arc(k, centre, turn, border):
-    """Time (s) and twice the kinetic energy's integral (J s) of a mass of 1 kg on `k` about `centre` from rest at `turn` to `border`."""
+    """Time (s) and twice the kinetic energy's integral (J s) of a mass of 1 kg on `k` about `centre` from rest at
+    `turn` to `border`."""
     w, a = mp.sqrt(mpf(k)), mpf(turn) - centre
     phase = mp.acos((mpf(border) - centre) / a)
     return phase / w, a**2 * w * (phase / 2 - mp.sin(2 * phase) / 4)
@@ -19,7 +21,8 @@ def assembled(pieces):
 
 
 def one_stop(k, k_c, gap, turn):
-    """A mass of 1 kg on `k` that turns at `turn` on its free side, before a stop of `k_c` at `gap`; ω, mean kinetic energy."""
+    """A mass of 1 kg on `k` that turns at `turn` on its free side, before a stop of `k_c` at `gap`; ω, mean kinetic
+    energy."""
     k, k_c, gap, turn = map(mpf, (k, k_c, gap, turn))
     free = arc(k, 0, turn, gap)
     centre = k_c * gap / (k + k_c)
@@ -28,7 +31,8 @@ def one_stop(k, k_c, gap, turn):
 
 
 def two_stops(k, stops, top):
-    """The same between stops (gap, stiffness) on the positive and negative side, with its turn at `top` in the first one."""
+    """The same between stops (gap, stiffness) on the positive and negative side, with its turn at `top` in the first
+    one."""
     k, top = mpf(k), mpf(top)
     (g1, k1), (g2, k2) = [tuple(map(mpf, s)) for s in stops]
     c1, c2 = k1 * g1 / (k + k1), k2 * g2 / (k + k2)
@@ -54,5 +58,6 @@ def impact_two_sided(gap, swing):
 
 
 def bar_energy(gap, period):
-    """Total energy of the first nonsmooth mode of the bar with L = c = EA = 1 that is clamped at one end: 3 < period < 4."""
+    """Total energy of the first nonsmooth mode of the bar with L = c = EA = 1 that is clamped at one end: 3 < period <
+    4."""
     return mpf(gap) ** 2 / (2 * (mpf(period) - 3) ** 2)

@@ -1,6 +1,7 @@
 """Periodic motions by event-driven shooting in double precision: which stop closes when is found on the way.
 
-Between two events the motion is linear and is evaluated in its eigenvectors; events are bracketed by samples and found by Newton's method. The
+Between two events the motion is linear and is evaluated in its eigenvectors; events are bracketed by samples and found
+by Newton's method. The
 periodic motion is found by Newton's method with differences.
 """
 
@@ -17,7 +18,9 @@ class Flight:
         self.s, self.omega, self.level, self.xi = system, omega, level, xi
         self.inverse = np.linalg.inv(system.mass)
         self.linear = lru_cache(None)(self._linear)
-        top = system.stiffness + sum((s.stiffness * np.outer(s.direction, s.direction) for s in system.stops), 0 * system.mass)
+        top = system.stiffness + sum(
+            (s.stiffness * np.outer(s.direction, s.direction) for s in system.stops), 0 * system.mass
+        )
         self.step = 0.25 / np.sqrt(np.linalg.eigvals(self.inverse @ top).real.max())
 
     def _linear(self, pattern):
@@ -181,7 +184,8 @@ class Flight:
         return (vectors @ (values * (inverse @ (end - rest)))).real
 
     def monodromy(self, pieces):
-        """The derivative (2n, 2n) of the state after the pieces with respect to that before them; the force of a stop is continuous."""
+        """The derivative (2n, 2n) of the state after the pieces with respect to that before them; the force of a stop
+        is continuous."""
         total = np.eye(2 * self.s.n)
         for _, duration, pattern, _ in pieces:
             values, vectors, inverse, _, _ = self.linear(pattern)
@@ -190,7 +194,8 @@ class Flight:
 
 
 def newton(residual, x, steps=40):
-    """A root by Newton's method; `residual` returns itself and its derivative, and the iteration ends where it gets no smaller."""
+    """A root by Newton's method; `residual` returns itself and its derivative, and the iteration ends where it gets no
+    smaller."""
     x = np.array(x, dtype=float)
     best, at = np.inf, x
     for _ in range(steps):

@@ -2,7 +2,8 @@
 
     M q'' + (C − ξ M) q' + K q + Σ_j k_j (w_jᵀ q − g_j)₊ w_j = f cos Ωt
 
-A rigid stop before a coordinate without mass is the same as an elastic stop, of the spring that moves the coordinate: it is condensed here.
+A rigid stop before a coordinate without mass is the same as an elastic stop, of the spring that moves the coordinate:
+it is condensed here.
 """
 
 from dataclasses import dataclass, field
@@ -43,7 +44,8 @@ def of_problem(problem):
 
 
 def condensed(system):
-    """Coordinates without mass follow the others; a rigid stop before one becomes an elastic one before those that move it."""
+    """Coordinates without mass follow the others; a rigid stop before one becomes an elastic one before those that move
+    it."""
     light = [i for i in range(system.n) if not system.mass[i].any()]
     if not light:
         if any(stop.stiffness is None for stop in system.stops):

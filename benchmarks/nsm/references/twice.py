@@ -1,12 +1,12 @@
-"""Each motion of the suite twice: by shooting in double precision (`flight.py`), and with 50 digits from there (`arcs.py`)."""
+"""Each motion of the suite twice: by shooting in double precision (`flight.py`), and with 50 digits from there
+(`arcs.py`)."""
 
 import dataclasses
 
-import numpy as np
-import scipy.linalg as sl
-
 import arcs
 import flight
+import numpy as np
+import scipy.linalg as sl
 
 
 @dataclasses.dataclass
@@ -37,7 +37,8 @@ def free_start(system, amplitude, ref, number):
 
 
 def free(system, amplitude, ref, x):
-    """A free motion of a damped or undamped system near `x`, with the coordinate `ref` at rest at `amplitude` in the beginning."""
+    """A free motion of a damped or undamped system near `x`, with the coordinate `ref` at rest at `amplitude` in the
+    beginning."""
     n = system.n
 
     def fly(z, period, xi):
@@ -51,7 +52,9 @@ def free(system, amplitude, ref, x):
         jacobian[: 2 * n, : 2 * n] = one.monodromy(pieces) - np.eye(2 * n)
         jacobian[: 2 * n, 2 * n] = one.rate(pieces, end)
         h = 1e-6
-        jacobian[: 2 * n, -1] = (fly(x[: 2 * n], x[2 * n], x[-1] + h)[2] - fly(x[: 2 * n], x[2 * n], x[-1] - h)[2]) / (2 * h)
+        jacobian[: 2 * n, -1] = (fly(x[: 2 * n], x[2 * n], x[-1] + h)[2] - fly(x[: 2 * n], x[2 * n], x[-1] - h)[2]) / (
+            2 * h
+        )
         jacobian[2 * n, ref] = jacobian[2 * n + 1, n + ref] = 1.0
         return np.concatenate([end - x[: 2 * n], [x[ref] - amplitude, x[n + ref]]]), jacobian
 
@@ -59,7 +62,8 @@ def free(system, amplitude, ref, x):
 
 
 def follow(family, ref, x, step=0.05, smallest=1e-5):
-    """The free motion at the end of a family of (system, amplitude) over 0 to 1, each begun at those before; steps halve where that fails."""
+    """The free motion at the end of a family of (system, amplitude) over 0 to 1, each begun at those before; steps
+    halve where that fails."""
     system, amplitude = family(0.0)
     known = [(0.0, free(system, amplitude, ref, x))]
     while known[-1][0] < 1.0:
@@ -87,7 +91,9 @@ def follow(family, ref, x, step=0.05, smallest=1e-5):
 def stiffening(system, amplitude):
     """The family that begins without stops and ends with those of the system, at one amplitude."""
     return lambda s: (
-        dataclasses.replace(system, stops=[dataclasses.replace(p, stiffness=p.stiffness * max(s, 1e-9) ** 2) for p in system.stops]),
+        dataclasses.replace(
+            system, stops=[dataclasses.replace(p, stiffness=p.stiffness * max(s, 1e-9) ** 2) for p in system.stops]
+        ),
         amplitude,
     )
 
@@ -181,7 +187,8 @@ def crossings(points, omega):
 
 
 def twice_driven(driven, z, omega, known=("omega", "level"), unknowns=(), conditions=()):
-    """Both computations of a response near the state `z`; `unknowns` among omega and level come with as many conditions of `arcs`."""
+    """Both computations of a response near the state `z`; `unknowns` among omega and level come with as many conditions
+    of `arcs`."""
     system = driven.system
     z = driven.at(z, omega)
     one = flight.Flight(system, omega, driven.level)
@@ -192,7 +199,12 @@ def twice_driven(driven, z, omega, known=("omega", "level"), unknowns=(), condit
     coarse["multiplier"] = np.abs(np.linalg.eigvals(one.monodromy(pieces))).max()
     values = {"omega": omega, "level": driven.level, "xi": 0.0}
     many = arcs.Arcs(
-        system, [p[2] for p in pieces], {k: values[k] for k in (*known, "xi")}, list(unknowns), list(conditions), driven.periods
+        system,
+        [p[2] for p in pieces],
+        {k: values[k] for k in (*known, "xi")},
+        list(unknowns),
+        list(conditions),
+        driven.periods,
     )
     start = np.concatenate([z, [p[1] for p in pieces], [values[k] for k in unknowns]])
     exact = many.solve(start)
@@ -218,7 +230,8 @@ def root(function, a, b, small=1e-13, steps=60):
 
 
 def fold(driven, point, ref):
-    """The frequency at a fold near a point of a curve, where it is stationary over the coordinate `ref` at the start; a number each."""
+    """The frequency at a fold near a point of a curve, where it is stationary over the coordinate `ref` at the start; a
+    number each."""
 
     def slope(a):
         x = point.copy()
@@ -241,7 +254,12 @@ def fold(driven, point, ref):
     def exact_slope(a):
         conditions = [lambda s, x: x[ref] - a]
         many = arcs.Arcs(
-            driven.system, [p[2] for p in pieces], {"level": driven.level, "xi": 0.0}, ["omega"], conditions, driven.periods
+            driven.system,
+            [p[2] for p in pieces],
+            {"level": driven.level, "xi": 0.0},
+            ["omega"],
+            conditions,
+            driven.periods,
         )
         x = many.solve(exact_slope.start)
         many.check(x)
@@ -257,7 +275,8 @@ def fold(driven, point, ref):
 
 
 def where(driven, z, omega, measure, step=1e-5):
-    """The frequency at which `measure(quantities, monodromy)` of a response vanishes, near one; both computations, motion included."""
+    """The frequency at which `measure(quantities, monodromy)` of a response vanishes, near one; both computations,
+    motion included."""
 
     def coarse(w):
         coarse.z = driven.at(coarse.z, w)
@@ -266,12 +285,17 @@ def where(driven, z, omega, measure, step=1e-5):
         return measure(one.quantities(pieces, period, w), lambda: one.monodromy(pieces))
 
     coarse.z = z
-    found = root(coarse, omega, omega * (1 + step))
+    found = root(coarse, omega, omega * (1 + step), 1e-11)
     pieces = driven.end(coarse.z, found)[1]
 
     def fine(w):
         many = arcs.Arcs(
-            driven.system, [p[2] for p in pieces], {"omega": w, "level": driven.level, "xi": 0.0}, [], [], driven.periods
+            driven.system,
+            [p[2] for p in pieces],
+            {"omega": w, "level": driven.level, "xi": 0.0},
+            [],
+            [],
+            driven.periods,
         )
         x = many.solve(fine.start)
         fine.start = [float(v) for v in x]
