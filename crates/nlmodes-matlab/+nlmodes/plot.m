@@ -1,6 +1,7 @@
 function handles = plot(result, x, y)
-%NLMODES.PLOT  Branches of a result in the current axes, frequency over energy, of responses amplitude of the drive
-%point over frequency.
+%NLMODES.PLOT  Branches of a result in the current axes.
+%
+% Frequency over energy; of responses the amplitude of the drive point over frequency.
 %
 %   nlmodes.plot(result)
 %   nlmodes.plot(result, 'frequency_hz', 'peak_contact_force_n')      any two columns of branch.csv
