@@ -6,9 +6,8 @@
     python3 benchmarks/nsm/score.py --list                    the problems in words
 
 The error of a case is the largest relative error of the quantities that it asks for, those that are not answered left
-out but counted; below the
-agreement of the two references it counts as that. A case is solved to three digits if all its quantities are answered
-with errors of at most 1e-3.
+out but counted; below the agreement of the two references it counts as that. A case is solved to three digits if all
+its quantities are answered with errors of at most 1e-3.
 """
 
 import argparse

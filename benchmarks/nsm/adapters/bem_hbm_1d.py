@@ -4,9 +4,8 @@
     python3 benchmarks/nsm/adapters/bem_hbm_1d.py BEM_HBM_1D OUT.json [--harmonics 40]
 
 Its residual and its start are used as in its example, over falling periods; it has an energy for each period, between
-which the frequency at the energy
-asked for is interpolated; that curve has spikes, and of several passages the best one is taken. It calls
-`numpy.asscalar`, which newer NumPy has no longer.
+which the frequency at the energy asked for is interpolated; that curve has spikes, and of several passages the best one
+is taken. It calls `numpy.asscalar`, which newer NumPy has no longer.
 """
 
 import argparse

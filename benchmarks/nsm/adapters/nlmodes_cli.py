@@ -4,8 +4,8 @@
     python3 benchmarks/nsm/adapters/nlmodes_cli.py PROGRAM OUT.json [--harmonics 63] [--method ms-hbm] [01 02 ...]
 
 Each case is a scene of matrices, written to a temporary folder. A free motion is the last point of a branch that ends
-at the energy asked for; responses are
-interpolated between the points of a curve. With `--method shooting` free motions are exact ones.
+at the energy asked for; responses are interpolated between the points of a curve. With `--method shooting` free motions
+are exact ones.
 """
 
 import argparse

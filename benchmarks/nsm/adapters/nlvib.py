@@ -4,8 +4,8 @@
     python3 benchmarks/nsm/adapters/nlvib.py NLVIB OUT.json [--harmonics 21] [--samples 48] [01 02 ...]
 
 Samples a period are a power of two, at least so many times the harmonics. Rigid stops before coordinates without mass
-are given as the elastic stops that
-they are to the others. Motions that do not begin at grazing, subharmonic ones and multipliers are not asked of it.
+are given as the elastic stops that they are to the others. Motions that do not begin at grazing, subharmonic ones and
+multipliers are not asked of it.
 """
 
 import argparse

@@ -4,9 +4,8 @@
     python3 benchmarks/nsm/adapters/tmdsimpy_hbm.py TMDSIMPY OUT.json [--harmonics 21] [--samples 1024] [01 02 ...]
 
 Its `epmc_res`, `hbm_res`, `UnilateralSpring` and `Continuation` compute; the last point is refined by Newton's method
-on its residual with the condition
-that the case adds. Rigid stops before coordinates without mass are given as the elastic stops that they are to the
-others.
+on its residual with the condition that the case adds. Rigid stops before coordinates without mass are given as the
+elastic stops that they are to the others.
 """
 
 import argparse

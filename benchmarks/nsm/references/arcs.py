@@ -2,8 +2,8 @@
 events, are unknowns.
 
 The order of the events is given (it is that which `flight.py` has found) and checked in the end. A piece is the
-exponential of a matrix, computed by
-FLINT (package python-flint) with bounds of its rounding; nothing is shared with `flight.py` but the problem.
+exponential of a matrix, computed by FLINT (package python-flint) with bounds of its rounding; nothing is shared with
+`flight.py` but the problem.
 """
 
 from flint import acb_mat, arb, arb_mat, ctx, fmpq

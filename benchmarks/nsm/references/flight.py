@@ -1,8 +1,7 @@
 """Periodic motions by event-driven shooting in double precision: which stop closes when is found on the way.
 
 Between two events the motion is linear and is evaluated in its eigenvectors; events are bracketed by samples and found
-by Newton's method. The
-periodic motion is found by Newton's method with differences.
+by Newton's method. The periodic motion is found by Newton's method with differences.
 """
 
 from functools import lru_cache

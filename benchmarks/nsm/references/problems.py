@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Writes the problems of the suite with their references, each computed twice (needs NumPy, SciPy, mpmath and python-
-flint).
+"""Writes the problems of the suite with their references, each computed twice (needs NumPy, SciPy, mpmath and
+python-flint).
 
     python3 benchmarks/nsm/references/problems.py            all problems, into benchmarks/nsm/problems
     python3 benchmarks/nsm/references/problems.py 01 22      these
@@ -196,7 +196,6 @@ def register(function):
 
 
 # One degree of freedom
-# ---------------------------------------------------------------------------------------------------------------------
 
 ONE = ([[1.0]], [[1.0]])
 FREE = "Free, undamped motion. The branch begins where the motion of the linear mode just reaches the stop."
@@ -393,7 +392,6 @@ def p_09():
 
 
 # Several degrees of freedom, free
-# -----------------------------------------------------------------------------------------------------------
 
 PAIR = ([[1.0, 0.0], [0.0, 1.0]], [[2.0, -1.0], [-1.0, 2.0]])
 
@@ -575,7 +573,6 @@ def p_21():
 
 
 # Driven
-# -------------------------------------------------------------------------------------------------------------------------------------
 
 DRIVEN = "Motion with the period of the load f cos Ωt. The multiplier is the largest magnitude of the Floquet multipliers over a period of the motion."
 

@@ -2,8 +2,8 @@
 stop at x = 1.
 
 The tip moves freely (no strain: f' changes its sign after a time of 2) or is held (no velocity: f' repeats itself after
-2). With equal steps of time
-and space this is exact, in fractions, for motions whose slopes jump at points of the grid only.
+2). With equal steps of time and space this is exact, in fractions, for motions whose slopes jump at points of the grid
+only.
 """
 
 from fractions import Fraction
