@@ -500,3 +500,42 @@ fn digits_are_those_of_what_was_written() {
         }
     }
 }
+
+/// A bar of pairs of points that have mass in their weighted mean alone, on springs between them: every diagonal entry
+/// of the mass is positive, half of the motions have none. There are as many modes as means, however many are asked for,
+/// and their shapes have the energy that belongs to λ.
+#[test]
+fn motions_without_mass_are_neither_modes_nor_mixed_into_them() {
+    for held in [true, false] {
+        for n in [8, 14] {
+            let (narrow, light) = bar(n, 1.0 / 3.0, held);
+            let order = narrow.nrows();
+            let part = |i: usize| [(2 * i, 0.3), (2 * i + 1, 0.7)];
+            let wide = |a: &SparseMatrix, springs: f64| {
+                let of = |(i, j, v): (usize, usize, f64)| {
+                    part(i).into_iter().flat_map(move |(p, a)| part(j).into_iter().map(move |(q, b)| (p, q, v * a * b)))
+                };
+                let between = (0..order).flat_map(|i| {
+                    let (p, q, s) = (2 * i, 2 * i + 1, springs * (1.0 + 0.3 * (1.9 * i as f64).sin()));
+                    [(p, p, s), (q, q, s), (p, q, -s), (q, p, -s)]
+                });
+                let entries: Vec<_> = triplets(a).flat_map(of).chain(between).filter(|entry| entry.2 != 0.0).collect();
+                sparse_from_triplets(2 * order, 2 * order, &entries).unwrap()
+            };
+            let (k, m) = (wide(&narrow, 1e3), wide(&light, 0.0));
+            let exact = lowest_modes(&narrow, &light, order).unwrap().eigenvalues;
+            let pencil = Pencil::new(&k, &m).unwrap();
+            for count in [order / 2, order - 1, order, order + 3, 2 * order] {
+                let found = pencil.lowest(count).unwrap();
+                assert_eq!(found.eigenvalues.len(), count.min(order), "{held} {n} {count}");
+                for (r, λ) in found.eigenvalues.iter().enumerate() {
+                    let size = exact[r] + pencil.shift();
+                    assert!((λ - exact[r]).abs() < 1e-9 * size, "{held} {n} {count} {r}: {λ} {}", exact[r]);
+                    let shape: Vec<f64> = found.vectors.col(r).iter().copied().collect();
+                    let energy: f64 = shape.iter().zip(multiply(&k, &shape)).map(|(a, b)| a * b).sum();
+                    assert!((energy - exact[r]).abs() < 1e-6 * size, "{held} {n} {count} {r}: {energy} {}", exact[r]);
+                }
+            }
+        }
+    }
+}
