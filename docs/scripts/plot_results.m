@@ -76,7 +76,7 @@ ends = unique([1; corners(corners > 1 & corners < n); n]);
 curve = zeros(0, 2);
 for k = 1:numel(ends) - 1
   own = (ends(k):ends(k + 1))';
-  fine = linspace(len(own(1)), len(own(end)), 20 * (numel(own) - 1) + 1)';
+  fine = unique([linspace(len(own(1)), len(own(end)), 20 * (numel(own) - 1) + 1)'; len(own)]);
   curve = [curve; exp(interp1(len(own), u(own), fine, 'pchip')), interp1(len(own), y(own), fine, 'pchip')];
 end
 end

@@ -164,6 +164,7 @@ fn over_two_periods(curve: &ResponseCurve, harmonics: usize) -> ResponseCurve {
         eta: spread(&m.eta),
         stops: spread(&m.stops),
         forces: spread(&m.forces),
+        reactions: spread(&m.reactions),
         contacts: m.contacts.iter().map(contact).collect(),
         ..m.clone()
     };
