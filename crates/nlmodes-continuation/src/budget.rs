@@ -64,13 +64,13 @@ mod tests {
         assert_eq!(budget.spend(&Watch::default(), |_| Some(1)), None);
         assert_eq!(budget.left_out(), 1);
         let mut budget = Budget::new(Some(0.02));
-        let mut until_ended = |watch: &Watch| -> Option<()> {
+        let until_ended = |watch: &Watch| -> Option<()> {
             while watch.evaluates().is_ok() {
                 std::thread::sleep(Duration::from_millis(1));
             }
             None
         };
-        assert_eq!(budget.spend(&Watch::default(), &mut until_ended), None);
+        assert_eq!(budget.spend(&Watch::default(), until_ended), None);
         assert_eq!(budget.left_out(), 1);
         // What finds nothing by itself is not cut off.
         let mut budget = Budget::new(None);

@@ -231,8 +231,8 @@ fn a_linear_law_and_a_linear_damper_are_those_of_the_structure() {
             }
         }
     }
-    for k in 0..m {
-        let eta = a[k][m] / a[k][k];
+    for (k, row) in a.iter().enumerate() {
+        let eta = row[m] / row[k];
         assert!((motion.eta[1][k] - eta).norm() < 1e-9, "{k}: {} {eta}", motion.eta[1][k]);
     }
 }
