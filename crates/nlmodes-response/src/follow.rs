@@ -87,7 +87,12 @@ impl Curve<'_> {
     pub fn end(&self, stop: &StopReason, omega: (usize, f64)) -> BranchEnd {
         let is_free = self.system.load().terms().is_empty();
         // Beside laws of force a mode begins before any stop is touched.
-        let start = if self.system.structure().laws().is_empty() { "grazing" } else { "the start" };
+        let structure = self.system.structure();
+        let start = match structure.laws().is_empty() {
+            false => "the start",
+            true if structure.is_pressed() => "lift-off",
+            true => "grazing",
+        };
         let is_upper = |coordinate: usize, value: f64| {
             self.bounds.iter().any(|bound| bound.coordinate == coordinate && value > 0.5 * (bound.min + bound.max))
         };
