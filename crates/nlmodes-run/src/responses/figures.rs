@@ -75,6 +75,15 @@ struct Drawn {
     is_bounded: bool,
 }
 
+/// The amplitude that curves show: that of the first stop or, without one, of the first spring with a law of force.
+const OF_CONTACT: &str = "fundamental of the first contact";
+const OF_SPRING: &str = "fundamental of the first spring";
+
+/// Name of the amplitude that the curves of a model show.
+pub fn observed(model: &Model) -> &'static str {
+    if model.contacts.is_empty() { OF_SPRING } else { OF_CONTACT }
+}
+
 /// All figures over the curves of a scene, with the unit of its levels; without stops amplitudes are those of the first
 /// spring with a law of force.
 fn drawn(unit: &str, has_stops: bool) -> [Drawn; 7] {
@@ -82,8 +91,7 @@ fn drawn(unit: &str, has_stops: bool) -> [Drawn; 7] {
     let amplitude: Value = |point| point.fundamental.abs();
     let frequency = || Quantity::linear("frequency", "Hz");
     let titled = |stop: &'static str, spring: &'static str| if has_stops { stop } else { spring };
-    let fundamental =
-        || Quantity::linear(titled("fundamental of the first contact", "fundamental of the first spring"), "m");
+    let fundamental = || Quantity::linear(titled(OF_CONTACT, OF_SPRING), "m");
     [
         Drawn {
             file: "responses.svg",

@@ -183,7 +183,7 @@ impl Model {
             label: name.to_owned(),
             coordinates: self.coordinates.clone(),
             contact_coordinate: match self.contacts.is_empty() {
-                true => self.springs.first().and_then(|weights| coordinate(weights, &self.recorded)),
+                true => self.springs.first().and_then(|weights| largest(weights, &self.recorded)),
                 false => self.contact_coordinates.first().copied().flatten(),
             },
             stop: self.sides.first().zip(self.gaps.first()).map(|(side, gap)| side * gap),
@@ -280,6 +280,12 @@ fn sides(scene: &Scene, contacts: &[Weights]) -> Vec<f64> {
         None => weights.first().map_or(1.0, |(_, w)| w.signum()),
     };
     contacts.iter().enumerate().map(of).collect()
+}
+
+/// Of the recorded degrees of freedom the one with the largest weight.
+fn largest(weights: &Weights, recorded: &[usize]) -> Option<usize> {
+    let (dof, _) = weights.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+    recorded.iter().position(|own| own == dof)
 }
 
 fn coordinate(weights: &Weights, recorded: &[usize]) -> Option<usize> {

@@ -62,7 +62,7 @@ pub fn write(
     let (figures, is_overlaid) = (shown.figures, shown.is_overlaid);
     page::write(directory, &each, content, |mut report| {
         report = report.kinds(&curves.iter().map(|curve| kind(curve.kind())).collect::<Vec<_>>());
-        for (label, value) in quantities(model.unit) {
+        for (label, value) in quantities(model) {
             let of = |curve: &&dyn Curve| curve.branch().points.iter().map(value).collect();
             report = report.quantity(label, each.iter().map(of).collect());
         }
@@ -84,10 +84,11 @@ pub fn write(
 /// A quantity of the page: its name with its unit, and what a point has of it.
 type Quantity = (String, fn(&ModalPoint) -> f64);
 
-/// Amplitude of the first contact, that of the drive point, its lag, and the level, in the order of [`axes`].
-fn quantities(unit: &str) -> [Quantity; 4] {
+/// Amplitude of the first contact or spring, that of the drive point, its lag, and the level, in the order of [`axes`].
+fn quantities(model: &Model) -> [Quantity; 4] {
+    let (unit, first) = (model.unit, figures::observed(model));
     [
-        ("fundamental of the first contact in m".to_owned(), |point| point.fundamental.abs()),
+        (format!("{first} in m"), |point| point.fundamental.abs()),
         ("fundamental of the drive point in m".to_owned(), figures::drive),
         ("lag of the drive point in degrees".to_owned(), figures::lag),
         (format!("level in {unit}"), figures::level),
