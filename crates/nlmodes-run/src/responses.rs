@@ -6,6 +6,7 @@ mod curves;
 mod damping;
 mod figures;
 mod laws;
+mod levels;
 mod model;
 mod overlaid;
 mod page;

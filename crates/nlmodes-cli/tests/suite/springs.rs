@@ -157,3 +157,67 @@ fn a_table_that_is_no_law_is_refused() -> Outcome {
     }
     Ok(())
 }
+
+/// Where Duffing's oscillator jumps in a sweep of its own integration in time: the amplitude falls, or rises, by half.
+fn swept(upward: bool) -> f64 {
+    let (ratio, cubic, force) = (0.02, 0.05, 0.1);
+    let rate = |t: f64, z: [f64; 2], omega: f64| {
+        [z[1], force * (omega * t).cos() - 2.0 * ratio * z[1] - z[0] - cubic * z[0].powi(3)]
+    };
+    let (mut z, mut before) = ([0.0, 0.0], None::<f64>);
+    for step in 0..300 {
+        let share = f64::from(step) / 300.0;
+        let omega = if upward { 0.9 + 0.6 * share } else { 1.5 - 0.6 * share };
+        let h = std::f64::consts::TAU / omega / 60.0;
+        let mut largest = 0.0_f64;
+        for j in 0..60 * 120 {
+            let t = h * f64::from(j % 60);
+            let add = |k: [f64; 2], by: f64| [z[0] + by * k[0], z[1] + by * k[1]];
+            let a = rate(t, z, omega);
+            let b = rate(t + 0.5 * h, add(a, 0.5 * h), omega);
+            let c = rate(t + 0.5 * h, add(b, 0.5 * h), omega);
+            let d = rate(t + h, add(c, h), omega);
+            z = [0, 1].map(|i| z[i] + h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]));
+            if j >= 60 * 100 {
+                largest = largest.max(z[0].abs());
+            }
+        }
+        let has_jumped = before.is_some_and(|b| if upward { largest < 0.6 * b } else { largest > 1.5 * b });
+        if has_jumped {
+            return omega;
+        }
+        before = Some(largest);
+    }
+    f64::NAN
+}
+
+/// The jumps that `summary.json` names are those of sweeps in time, to the step of these and what a sweep overshoots.
+#[test]
+fn jumps_are_where_sweeps_in_time_jump() -> Outcome {
+    let folder = tempdir()?;
+    for file in ["k.mtx", "m.mtx"] {
+        fs::write(folder.path().join(file), "%%MatrixMarket matrix coordinate real general\n1 1 1\n1 1 1.0\n")?;
+    }
+    fs::write(folder.path().join("dofs.csv"), "row,node,component\n0,1,3\n")?;
+    let [low, high] = [0.9, 1.5].map(|omega| omega / std::f64::consts::TAU);
+    let text = BEAM.replace("harmonics = 5", "harmonics = 7")
+        + "[[spring]]\nnode = 1\ndirection = [0.0, 0.0, 1.0]\nlaw = { polynomial = [0.0, 0.0, 0.05] }\n\
+           [damping]\nratio = 0.02\n[[force]]\nnode = 1\ndirection = [0.0, 0.0, 1.0]\namplitude_n = 0.1\n"
+        + &format!("[[response]]\nkind = \"frequency\"\nfrequency_hz = [{low}, {high}]\n");
+    run(folder.path(), &text)?;
+    let summary: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(folder.path().join("out/summary.json"))?)?;
+    let level = &summary["levels"][0];
+    let jumps = level["jumps"].as_array().ok_or("no jumps")?;
+    assert_eq!(jumps.len(), 2, "{level}");
+    for (direction, upward) in [("up", true), ("down", false)] {
+        let jump = jumps.iter().find(|jump| jump["direction"] == direction).ok_or("no such jump")?;
+        let found = jump["frequency_hz"].as_f64().ok_or("no number")? * std::f64::consts::TAU;
+        let swept = swept(upward);
+        assert!((found / swept - 1.0).abs() < 5e-3, "{direction}: {found} {swept}");
+        let [before, after] = ["before", "after"].map(|key| jump["amplitude_m"][key].as_f64().unwrap_or(f64::NAN));
+        assert!(if upward { after < 0.6 * before } else { after > 1.5 * before }, "{jump}");
+    }
+    assert!(level["peak"]["amplitude_m"].as_f64() > Some(1.0), "{level}");
+    Ok(())
+}

@@ -9,6 +9,7 @@ use nlmodes_scene::scene::Scene;
 use serde_json::{Value, json};
 
 use super::curves::ComputedResponse;
+use super::levels;
 use super::model::Model;
 use super::tables::points;
 use crate::Failure;
@@ -51,6 +52,7 @@ pub fn write(
         "level_unit": model.unit,
         "points": first,
         "curves": all,
+        "levels": levels::all(curves),
         "complete": curves.iter().all(ComputedResponse::is_complete),
         "largest_residual": largest_residual(points(curves).map(|(_, _, point)| point)),
         "largest_power_imbalance": imbalance(curves),
