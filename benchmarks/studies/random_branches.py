@@ -133,7 +133,9 @@ def run(program, path, limit):
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     points = sum(1 for _ in open(out / "branch.csv")) - 1 if (out / "branch.csv").exists() else 0
-    return code, seconds, points, words.splitlines()[-1] if words else ""
+    lines = words.splitlines() or [""]
+    reason = next((line for line in lines if "ended" in line or line.startswith("error")), lines[-1])
+    return code, seconds, points, reason
 
 
 def main():
