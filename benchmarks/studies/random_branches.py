@@ -4,8 +4,10 @@
     benchmarks/studies/random_branches.py --program target/release/nlmodes-cli --seeds 30 --out results/random
 
 Rods, beams and, as matrices, chains and lattices of random properties in four systems of units, with 1, 2, 3, 5 or 10
-stops on both sides, conservative, to five energies at grazing. For each structure five numbers of harmonics, each with
-`internal_resonance` as its default and as "follow".
+stops on both sides. `--analysis mode` (the default) computes the conservative mode to five energies at grazing, for five
+numbers of harmonics, each with `internal_resonance` as its default and as "follow". `--analysis damped-mode` and
+`--analysis response` compute the damped mode to five energies at grazing and the response to a force at the first stop
+that would move it twice as far as grazing, with 1 % of damping, 5 and 15 harmonics, rigid and elastic stops.
 Needs Python 3.11 and NumPy.
 """
 
@@ -102,6 +104,53 @@ def matrices(rng, stops, folder, name):
     return ("lattice" if lattice else "chain"), lines, np.sqrt(values[0]) / (2 * np.pi)
 
 
+def damped(program, analysis, base, text, rng, harmonics, elastic):
+    """Lines of the damped mode or response of a scene, from its linear mode at grazing; None where that is not found."""
+    probe = base.with_name(f"{base.name}_probe.toml")
+    probe.write_text("\n".join([*text, "[method]", "harmonics = 1", "[continuation]",
+                               "max_energy_ratio = 1.1", "[output]",
+                               "figures = false", "page = false"]) + "\n")
+    run(program, probe, 60)
+    rows = probe.with_suffix("") / "branch.csv"
+    if not rows.exists():
+        return None
+    header, first, *_ = rows.read_text().splitlines()
+    row = dict(zip(header.split(","), first.split(",")))
+    f, q, u = float(row["frequency_hz"]), float(row["modal_amplitude"]), abs(float(row["fundamental_m"]))
+    first = text.index("[[contact]]")
+    place = text[first + 1:first + 3]
+    if elastic:
+        # Between a third and thirty times the stiffness of the first mode at the first stop.
+        stiffness = 10 ** rng.uniform(-0.5, 1.5) * (2 * np.pi * f * q / u) ** 2
+        text = [out for line in text
+                for out in ([line, f"stiffness_n_m = {float(stiffness)!r}"] if line == "[[contact]]" else [line])]
+    if "direction" not in place[1]:
+        place[1] = place[1].replace("normal", "direction")
+    force = 2.0 * 2.0 * 0.01 * (2 * np.pi * f) ** 2 * q * q / u
+    lines = [*text, "[damping]", "ratio = 0.01", "[[force]]", *place, f"amplitude_n = {force!r}", "[method]",
+             f"harmonics = {harmonics}", "[response]"]
+    if analysis == "response":
+        return [*lines, 'kind = "frequency"', f"frequency_hz = [{0.85 * f!r}, {1.3 * f!r}]"]
+    return [*lines, 'kind = "damped-mode"', "[continuation]", "max_energy_ratio = 5.0"]
+
+
+def damped_scenes(arguments, folder):
+    for seed in range(arguments.first, arguments.first + arguments.seeds):
+        rng = np.random.default_rng(seed)
+        stops, name = STOPS[seed % len(STOPS)], f"s{seed}"
+        kind, lines, *_ = matrices(rng, stops, folder, name) if rng.random() < 0.5 else straight(rng, stops)
+        for harmonics in (5, 15):
+            for way in ("rigid", "elastic"):
+                text = [f'title = "{name}"', *lines]
+                text = damped(arguments.program, arguments.analysis, folder / name, text, rng, harmonics, way == "elastic")
+                if text is None:
+                    print(f"{name}: no linear mode that touches")
+                    continue
+                path = folder / f"{name}_{kind}_c{stops}_h{harmonics}_{way}.toml"
+                path.write_text("\n".join([*text, "[output]", "figures = false", "page = false"]) + "\n")
+                yield path, kind, stops, harmonics, way
+
+
 def scenes(arguments, folder):
     for seed in range(arguments.first, arguments.first + arguments.seeds):
         rng = np.random.default_rng(seed)
@@ -143,13 +192,14 @@ def main():
     parser.add_argument("--program", default="target/release/nlmodes-cli")
     parser.add_argument("--seeds", type=int, default=30)
     parser.add_argument("--first", type=int, default=1, help="first seed")
+    parser.add_argument("--analysis", choices=["mode", "damped-mode", "response"], default="mode")
     parser.add_argument("--ways", nargs="+", default=["default", "follow"])
     parser.add_argument("--limit-s", type=int, default=60, help="longest CPU time of a branch, s")
     parser.add_argument("--out", type=Path, default=Path("results/random_branches"))
     arguments = parser.parse_args()
     arguments.out.mkdir(parents=True, exist_ok=True)
     rows = []
-    for path, kind, stops, harmonics, way in scenes(arguments, arguments.out):
+    for path, kind, stops, harmonics, way in (scenes if arguments.analysis == "mode" else damped_scenes)(arguments, arguments.out):
         code, seconds, points, words = run(arguments.program, path, arguments.limit_s)
         rows.append({"scene": path.stem, "kind": kind, "stops": stops, "harmonics": harmonics, "way": way, "exit": code,
                      "cpu_s": round(seconds, 3), "points": points, "words": words if code else ""})

@@ -1,7 +1,5 @@
 //! `nlmodes-cli run`: what a scene describes, computed and written.
 
-use std::path::Path;
-
 use nlmodes_run::responses::one_method;
 use nlmodes_run::{Failure, chain};
 use nlmodes_scene::scene::TestScene;
@@ -10,7 +8,7 @@ use nlmodes_scene::{AnyScene, SceneFile};
 use crate::observer::TerminalObserver;
 use crate::options::RunOptions;
 use crate::terminal::{print, refuse_run};
-use crate::{Status, interrupt};
+use crate::{Status, interrupt, told};
 
 /// Computes what the scene describes.
 pub fn run(scene: AnyScene, options: RunOptions) -> Status {
@@ -39,6 +37,9 @@ fn branches(files: Vec<SceneFile>, options: RunOptions) -> Status {
     }
 }
 
+/// Most levels that are told one by one.
+const LEVELS: usize = 12;
+
 fn responses(file: &SceneFile, options: RunOptions) -> Status {
     let outcome = match nlmodes_run::responses::run(file, options.over(), &mut TerminalObserver::new(options)) {
         Ok(outcome) => outcome,
@@ -53,10 +54,14 @@ fn responses(file: &SceneFile, options: RunOptions) -> Status {
         };
         say!("what was computed until then is written, stability of the last curve left out{missing}");
     }
-    written(&file.scene.output_directory, options);
     if !options.quiet {
+        outcome.levels.iter().take(LEVELS).for_each(|level| _ = print(&level.text(outcome.level_unit)));
+        if outcome.levels.len() > LEVELS {
+            print(&format!("and {} more levels, in summary.json", outcome.levels.len() - LEVELS));
+        }
         print(outcome.certificate.text("").trim_end());
     }
+    _ = told::written(&file.scene.output_directory, file.scene.files.page, options.quiet);
     if outcome.is_complete() { Status::Done } else { Status::EndedEarly }
 }
 
@@ -66,18 +71,12 @@ fn test(file: &SceneFile<TestScene>, options: RunOptions) -> Status {
         Err(error) => return refuse_run(&error),
     };
     outcome.wrong.iter().for_each(|reason| say!("warning: {reason}"));
-    written(&file.scene.output_directory, options);
+    _ = told::written(&file.scene.output_directory, true, options.quiet);
     if outcome.wrong.is_empty() { Status::Done } else { Status::EndedEarly }
 }
 
 fn failed(failure: Option<&Failure>) {
     if let Some(error) = failure {
         say!("error: {}", chain(error.as_ref()));
-    }
-}
-
-fn written(directory: &Path, options: RunOptions) {
-    if !options.quiet {
-        print(&format!("Results in {}", directory.display()));
     }
 }

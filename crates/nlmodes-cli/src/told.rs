@@ -1,5 +1,7 @@
 //! Messages about completed branches.
 
+use std::path::Path;
+
 use nlmodes_run::{PartOutcome, chain};
 
 use crate::terminal::print;
@@ -41,7 +43,13 @@ pub fn part(part: &PartOutcome, quiet: bool) -> Status {
             part.scene.continuation.max_branches
         );
     }
-    match (quiet, part.scene.files.page) {
+    written(&part.scene.output_directory, part.scene.files.page, quiet)
+}
+
+/// Prints where results are; `has_page` whether there is `report.html`.
+pub fn written(directory: &Path, has_page: bool, quiet: bool) -> Status {
+    let directory = directory.display();
+    match (quiet, has_page) {
         (true, _) => Status::Done,
         (false, true) => print(&format!("Results in {directory}: open {directory}/report.html")),
         (false, false) => print(&format!("Results in {directory}")),

@@ -28,7 +28,7 @@ impl Budget {
     /// Does the work with a watch that ends it where the budget is used up, or where `watch` does; `None` where it did
     /// not come to an end.
     pub fn spend<T>(&mut self, watch: &Watch, work: impl FnOnce(&Watch) -> Option<T>) -> Option<T> {
-        let beside = self.begun.elapsed().saturating_sub(self.spent);
+        let beside = self.beside();
         let limit = self.limit.unwrap_or_else(|| LEAST.max(beside.saturating_mul(TIMES)));
         let left = limit.saturating_sub(self.spent);
         if left.is_zero() {
@@ -46,6 +46,11 @@ impl Budget {
             self.left_out += 1;
         }
         found
+    }
+
+    /// Time that has passed without the work.
+    pub fn beside(&self) -> Duration {
+        self.begun.elapsed().saturating_sub(self.spent)
     }
 
     /// How often the work was left out or cut off.

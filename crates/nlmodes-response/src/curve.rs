@@ -5,6 +5,8 @@ use nlmodes_hbm::{PeriodicMotion, PeriodicSystem};
 use nlmodes_modal::{BranchEnd, EndReason, Event, ModalPoint, Stability};
 use num_complex::Complex64;
 
+use crate::FinerPoint;
+
 /// A point of a curve.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -23,8 +25,27 @@ pub struct ResponsePoint {
     pub residual: f64,
     /// What happens here.
     pub events: Vec<Event>,
-    /// Scaled coefficients of the motion and their unit, from which another curve can start.
-    pub(crate) coefficients: (Vec<f64>, f64),
+    /// Where it lies in the unknowns of its problem, from which another curve can start.
+    pub(crate) solved: Solved,
+}
+
+/// A solution in the unknowns of its problem.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Solved {
+    /// The unknowns; the coefficients of the motion are the first of them.
+    pub x: Vec<f64>,
+    /// The parameter.
+    pub p: f64,
+    /// Number of coefficients, and their unit.
+    pub coefficients: (usize, f64),
+}
+
+impl Solved {
+    /// The scaled coefficients of the motion, and their unit.
+    pub fn coefficients(&self) -> (&[f64], f64) {
+        let (count, unit) = self.coefficients;
+        (&self.x[..count], unit)
+    }
 }
 
 impl ResponsePoint {
@@ -45,7 +66,7 @@ impl ResponsePoint {
 
     /// Its coefficients as the first unknowns of another problem on the same structure with as many harmonics.
     pub(crate) fn coefficients_for(&self, system: &PeriodicSystem) -> Vec<f64> {
-        let (series, (own, unit)) = (system.series(), &self.coefficients);
+        let (series, (own, unit)) = (system.series(), self.solved.coefficients());
         let coordinates = (system.n_coefficients() / series.width()).max(1);
         let width = own.len() / coordinates;
         let factor = unit / system.unit();
@@ -118,4 +139,22 @@ pub struct ResponseCurve {
     pub end: BranchEnd,
     /// Of a curve of phase resonances: each one at the levels that were asked for, in the order of the curve.
     pub at_levels: Vec<ResponsePoint>,
+    /// Points solved again with more harmonics, where that was asked for.
+    pub finer: Vec<FinerPoint>,
+}
+
+impl ResponseCurve {
+    /// Largest relative change that more harmonics make at the points that were solved again: of the frequency, and of
+    /// the amplitude `√E_av/ω` over the largest of the curve. Infinite where no motion was found next to a point, and
+    /// none where no point was solved again.
+    pub fn truncation(&self) -> Option<f64> {
+        let amplitude = |point: &ResponsePoint| point.motion.kinetic_energy.sqrt() / point.motion.at.omega;
+        let largest = self.points.iter().map(amplitude).fold(f64::MIN_POSITIVE, f64::max);
+        let changes = self.finer.iter().map(|finer| {
+            let (own, Some(found)) = (&self.points[finer.point], &finer.found) else { return f64::INFINITY };
+            let frequency = (found.omega / own.omega - 1.0).abs();
+            frequency.max((amplitude(found) - amplitude(own)).abs() / largest)
+        });
+        changes.reduce(f64::max)
+    }
 }

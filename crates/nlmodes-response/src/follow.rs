@@ -9,7 +9,7 @@ use nlmodes_hbm::{PeriodicSystem, PhaseLag, Refined, Source};
 use nlmodes_linalg::DenseLu;
 use num_complex::Complex64;
 
-use crate::curve::{curve_end, energy_bound, frequency_bound, lost};
+use crate::curve::{Solved, curve_end, energy_bound, frequency_bound, lost};
 use crate::losses::name_lost_stability;
 use crate::{ResponseCurve, ResponseError, ResponsePoint, ResponseSettings, Stability};
 
@@ -80,7 +80,11 @@ impl Curve<'_> {
         };
         let end = end.without_stability(self.budget.left_out());
         let at_levels = self.at_levels(branch)?;
-        Ok(ResponseCurve { points, end, at_levels })
+        let finer = match self.settings.finer.clone() {
+            Some(settings) => self.finer(&points, &settings, self.budget.beside())?,
+            None => Vec::new(),
+        };
+        Ok(ResponseCurve { points, end, at_levels, finer })
     }
 
     /// Why there are no further points; `omega` as in [`follow`](Self::follow).
@@ -137,17 +141,9 @@ impl Curve<'_> {
         // A free phase is held at that of the point itself, not at that of the last one that was found.
         self.system.hold_phase(&at.x);
         let found = refined(&mut self.system, at);
-        let motion = self.system.refined_motion(&found)?;
-        let Refined { x, p, residual, .. } = found;
-        let drive = self.drive.as_ref().map_or(Complex64::default(), |drive| {
-            let own = self.system.load().terms().iter().zip(&drive.row.loads);
-            let own = own.filter(|(term, _)| term.harmonic == drive.harmonic);
-            let moved = own.map(|(term, a)| a * motion.at.level * motion.at.omega.powi(term.omega_power));
-            motion.displacement(&drive.row)[drive.harmonic] + moved.sum::<Complex64>()
-        });
         // Of a long curve the multipliers take longer than who asks for an end waits.
         let stability = match self.settings.stability && !self.settings.watch.asks_to_end() {
-            true => self.stability(&x, p)?,
+            true => self.stability(&found.x, found.p)?,
             false => None,
         };
         let named = at.events.iter().filter_map(|event| match event {
@@ -157,14 +153,29 @@ impl Curve<'_> {
             EventKind::PatternChange { .. } => Some(Event::ContactChange),
             _ => None,
         });
+        let events = named.collect();
+        Ok(ResponsePoint { stability, events, ..self.motion(None, found)? })
+    }
+
+    /// The point of a solution, of this problem or of `another` with more harmonics, without stability and events.
+    pub fn motion(&mut self, another: Option<&mut PeriodicSystem>, found: Refined) -> Result<ResponsePoint, ResponseError> {
+        let system = another.unwrap_or(&mut self.system);
+        let motion = system.refined_motion(&found)?;
+        let Refined { x, p, residual, .. } = found;
+        let drive = self.drive.as_ref().map_or(Complex64::default(), |drive| {
+            let own = system.load().terms().iter().zip(&drive.row.loads);
+            let own = own.filter(|(term, _)| term.harmonic == drive.harmonic);
+            let moved = own.map(|(term, a)| a * motion.at.level * motion.at.omega.powi(term.omega_power));
+            motion.displacement(&drive.row)[drive.harmonic] + moved.sum::<Complex64>()
+        });
         Ok(ResponsePoint {
             omega: motion.at.omega * self.settings.subharmonic as f64,
             level: motion.at.level,
             drive,
-            stability,
+            stability: None,
             residual,
-            events: named.collect(),
-            coefficients: (x[..self.system.n_coefficients()].to_vec(), self.system.unit()),
+            events: Vec::new(),
+            solved: Solved { x, p, coefficients: (system.n_coefficients(), system.unit()) },
             motion,
         })
     }
@@ -183,7 +194,7 @@ impl Curve<'_> {
 }
 
 /// Share of the parameter in the tangent above which it is held while a point is refined.
-const HELD: f64 = 0.05;
+pub(crate) const HELD: f64 = 0.05;
 
 /// Residual of a point that was found at a level.
 pub(crate) const CONVERGED: f64 = 1e-8;

@@ -1,7 +1,7 @@
 use nlmodes_continuation::{Bound, Budget, Watch};
 use nlmodes_hbm::{Coordinates, PeriodicSettings, Switching};
 
-use crate::{ResponseError, StepLog};
+use crate::{FinerSettings, ResponseError, StepLog};
 
 /// What distinguishes one curve from another on the same structure.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,6 +29,8 @@ pub struct ResponseSettings {
     /// Wall time for the multipliers of a curve, s: of points after it none are computed, which the end of the curve
     /// tells. Default ten times that of the curve, and twenty seconds at least.
     pub stability_budget_s: Option<f64>,
+    /// Which points of a curve are solved again with more harmonics. Default none.
+    pub finer: Option<FinerSettings>,
     /// Most points of a curve. Default 2000.
     pub max_points: usize,
     /// Most curves of [`branching_responses`](crate::branching_responses). Default 20.
@@ -56,6 +58,7 @@ impl ResponseSettings {
             from_upper_end: false,
             stability: true,
             stability_budget_s: None,
+            finer: None,
             max_points: 2000,
             max_branches: 20,
             levels: Vec::new(),

@@ -340,7 +340,7 @@ fn few_points(computed: &ComputedBranch) -> Vec<usize> {
 }
 
 /// A relative change as one reads it: `13 %`, `0.86 %`, `3e-7`.
-fn share(value: f64) -> String {
+pub(crate) fn share(value: f64) -> String {
     match 100.0 * value {
         0.0 => "0".to_owned(),
         percent if percent < 0.01 => format!("{value:.0e}"),

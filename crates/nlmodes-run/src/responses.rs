@@ -38,6 +38,7 @@ use crate::style::style_of;
 use crate::updating::updated;
 use crate::{Event, Failure, Observer, Over, RunError, links, no_contact};
 pub use curves::ComputedResponse;
+pub use levels::Level;
 use curves::{Job, detached, follow, jobs};
 use model::Model;
 use overlaid::Beside;
@@ -51,6 +52,10 @@ pub struct ResponsesOutcome {
     pub scene: Scene,
     /// The curves in the order of the scene; detached ones behind them.
     pub curves: Vec<ComputedResponse>,
+    /// What a sweep over the frequency meets at each level.
+    pub levels: Vec<Level>,
+    /// Unit of the levels.
+    pub level_unit: &'static str,
     /// What was looked at in the curves, and which of their numbers to use.
     pub certificate: Certificate,
     /// From the beginning to the last file.
@@ -117,6 +122,7 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
     let not_begun = following.all()?;
     let Following { observer, curves, failed, .. } = following;
     let certificate = certified::certificate(&file.scene, &model, &curves);
+    let levels = levels::all(&curves);
     let beside = |curve: &LaidCurve| (curve.clone(), overlaid::beside(curve, &curves));
     let compared: Vec<(LaidCurve, Vec<Beside>)> = laid.iter().map(beside).collect();
     let left_out = compared.iter().filter_map(|(curve, found)| overlaid::left_out(curve, found));
@@ -127,12 +133,15 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
     let warning = period.as_ref().ok().and_then(Option::as_ref).and_then(Period::warning);
     warning.iter().for_each(|text| observer.event(Event::Warning(text)));
     let written = |period: Option<Period>| {
-        files(&file.scene, &model, (&curves, &laid), (&compared, period.as_ref()), &certificate, began)
+        let said = (&certificate, levels.as_slice());
+        files(&file.scene, &model, (&curves, &laid), (&compared, period.as_ref()), said, began)
     };
     let failure = period.and_then(written).err().or(failed);
     Ok(ResponsesOutcome {
         scene: file.scene,
         curves,
+        levels,
+        level_unit: model.unit,
         certificate,
         wall_time: began.elapsed(),
         is_cut_off: not_begun.is_some(),
@@ -270,7 +279,7 @@ fn files(
     model: &Model,
     (curves, laid): (&[ComputedResponse], &[LaidCurve]),
     (compared, period): (&[(LaidCurve, Vec<Beside>)], Option<&Period>),
-    certificate: &Certificate,
+    (certificate, levels): (&Certificate, &[Level]),
     began: Instant,
 ) -> Result<(), Failure> {
     let directory = &scene.output_directory;
@@ -283,7 +292,7 @@ fn files(
     if let Some(period) = period {
         period.write(scene)?;
     }
-    summary::write(directory, (scene, model), (curves, certificate), period, began)?;
+    summary::write(directory, (scene, model), (curves, certificate, levels), period, began)?;
     let Some(first) = each.first().filter(|_| scene.files.figures || scene.files.page) else { return Ok(()) };
     let (figures, references) = (figures::all(scene, model, (curves, laid))?, histories::own_references(*first)?);
     if scene.files.figures {
@@ -301,7 +310,7 @@ fn files(
     }
     let sentences = compared.iter().map(|(curve, found)| overlaid::sentence(curve, found)).collect();
     let (is_overlaid, references) = (!laid.is_empty(), references.as_slice());
-    let content = page::Shown { certificate, sentences, is_overlaid, figures, references, period };
+    let content = page::Shown { certificate, levels, sentences, is_overlaid, figures, references, period };
     page::write(directory, (scene, model), (&shown, curves), content)
 }
 

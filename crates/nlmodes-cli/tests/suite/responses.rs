@@ -1,5 +1,6 @@
 //! Scenes with responses: tables, figures, ends, and messages.
 
+mod errors;
 mod few_masses;
 
 use std::collections::BTreeMap;

@@ -62,6 +62,9 @@ pub trait ClosingEquation: Send {
     fn accepted(&mut self, x: &[f64], series: RealSeries) {
         let _ = (x, series);
     }
+
+    /// The same equation of a problem with another number of harmonics; what it was told of points is not kept.
+    fn anew(&self) -> Box<dyn ClosingEquation>;
 }
 
 /// `ln(E_av/E_ref) − p = 0` with the averaged kinetic energy `E_av = ¼ Σ n²ω² |η_n|²`, eq. (16).
@@ -87,6 +90,10 @@ impl ClosingEquation for EnergyGiven {
 
     fn asks_for_energy(&self) -> bool {
         true
+    }
+
+    fn anew(&self) -> Box<dyn ClosingEquation> {
+        Box::new(*self)
     }
 }
 
@@ -118,6 +125,10 @@ impl ClosingEquation for PhaseCondition {
         if length > 0.0 {
             self.weights = weights.iter().map(|w| w / length).collect();
         }
+    }
+
+    fn anew(&self) -> Box<dyn ClosingEquation> {
+        Box::<Self>::default()
     }
 }
 
@@ -158,5 +169,9 @@ impl ClosingEquation for PhaseLag {
             by: by.map(|by| (factor * by).re),
             ..Functional::default()
         })
+    }
+
+    fn anew(&self) -> Box<dyn ClosingEquation> {
+        Box::new(self.clone())
     }
 }

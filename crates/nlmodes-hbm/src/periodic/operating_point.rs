@@ -103,6 +103,12 @@ impl Closing {
         [self.omega, self.xi, self.level]
     }
 
+    /// The same of a problem with another number of harmonics.
+    pub(crate) fn anew(&self) -> Self {
+        let equations = self.equations.iter().map(|equation| equation.anew()).collect();
+        Self { omega: self.omega, xi: self.xi, level: self.level, equations }
+    }
+
     /// Number of unknowns behind the coefficients.
     pub fn n_unknowns(&self) -> usize {
         self.sources().iter().filter(|s| matches!(s, Source::Unknown { .. })).count()

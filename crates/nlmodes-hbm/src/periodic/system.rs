@@ -110,6 +110,23 @@ impl PeriodicSystem {
         })
     }
 
+    /// The same problem with another number of harmonics, and with as many samples a period for each of them.
+    ///
+    /// # Errors
+    /// As its own constructor.
+    pub fn with_harmonics(&self, harmonics: usize, solver: &dyn LcpSolver) -> Result<Self, HbmError> {
+        let own = self.settings;
+        let switching = match own.switching {
+            Switching::Exact => Switching::Exact,
+            Switching::Sampled { samples } => {
+                Switching::Sampled { samples: (samples * harmonics).div_ceil(own.harmonics) }
+            }
+        };
+        let settings = PeriodicSettings { harmonics, switching, ..own };
+        let parts = (self.structure.clone(), self.load.clone(), self.closing.anew());
+        Self::assemble(parts.0, parts.1, parts.2, (settings, self.series().symmetry), self.scales, solver)
+    }
+
     /// The structure.
     pub fn structure(&self) -> &ModalStructure {
         &self.structure

@@ -9,7 +9,7 @@ use num_complex::Complex64;
 
 use super::forced::{curve_over_frequency, over_frequency};
 use crate::curve::joined;
-use crate::{EndReason, Event, ResponseCurve, ResponseError, ResponseModel, ResponsePoint, ResponseSettings};
+use crate::{EndReason, Event, FinerPoint, ResponseCurve, ResponseError, ResponseModel, ResponsePoint, ResponseSettings};
 
 /// Amplitudes of the disturbance, over the size of the motion, with which the way onto a doubled branch is tried.
 const OFF: [f64; 4] = [1e-2, 3e-2, 3e-3, 1e-1];
@@ -39,7 +39,7 @@ pub(super) fn doubled_responses(
             continue;
         }
         let p = point.omega / omega.1;
-        let disturbance = curve.system.doubling_disturbance(&point.coefficients.0, p, settings.harmonics)?;
+        let disturbance = curve.system.doubling_disturbance(point.solved.coefficients().0, p, settings.harmonics)?;
         all.extend(leave(model, point, &disturbance, settings, solver)?);
     }
     Ok(all)
@@ -130,7 +130,7 @@ impl Subharmonic {
 
 /// The coefficients of a motion with the period of the load, over two of them.
 fn doubled_coefficients(point: &ResponsePoint, system: &PeriodicSystem) -> Vec<f64> {
-    let (series, (own, unit)) = (system.series(), &point.coefficients);
+    let (series, (own, unit)) = (system.series(), point.solved.coefficients());
     let coordinates = (system.n_coefficients() / series.width()).max(1);
     let (width, factor) = (own.len() / coordinates, unit / system.unit());
     let highest = width / 2;
@@ -169,5 +169,7 @@ fn over_two_periods(curve: &ResponseCurve, harmonics: usize) -> ResponseCurve {
         ..m.clone()
     };
     let one = |p: &ResponsePoint| ResponsePoint { motion: motion(&p.motion), ..p.clone() };
-    ResponseCurve { points: curve.points.iter().map(one).collect(), ..curve.clone() }
+    let finer = |finer: &FinerPoint| FinerPoint { found: finer.found.as_deref().map(one).map(Box::new), ..*finer };
+    let finer = curve.finer.iter().map(finer).collect();
+    ResponseCurve { points: curve.points.iter().map(one).collect(), finer, ..curve.clone() }
 }

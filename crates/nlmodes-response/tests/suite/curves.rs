@@ -23,7 +23,7 @@ fn rod(elements: usize, ea: f64, rho_a: f64, length: f64, gap: f64, start: Suppo
 }
 
 /// The rod of two elements with `EA = ρA = L = g₀ = 1`, tip dropped, 1 %, a force at its middle.
-fn rod_of_two() -> ResponseModel {
+pub fn rod_of_two() -> ResponseModel {
     let massless = MasslessContactModel::new(&rod(2, 1.0, 1.0, 1.0, 1.0, Support::Clamped), &Drop).unwrap();
     let open = OpenModes::of_massless(&massless, ModeCount::Lowest(10)).unwrap();
     let mut model = ResponseModel::new(open, &Damping::Ratios(vec![0.01])).unwrap();
@@ -32,7 +32,7 @@ fn rod_of_two() -> ResponseModel {
     model
 }
 
-fn window(low: f64, high: f64, harmonics: usize) -> ResponseSettings {
+pub fn window(low: f64, high: f64, harmonics: usize) -> ResponseSettings {
     ResponseSettings { harmonics, ..ResponseSettings::new([low * TAU, high * TAU]) }
 }
 

@@ -4,6 +4,7 @@
 mod beam;
 mod curves;
 mod dissipating_stops;
+mod finer;
 mod floating;
 mod free_phase;
 mod integrated;

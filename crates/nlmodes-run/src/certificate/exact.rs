@@ -41,7 +41,7 @@ pub fn checks(computed: &ComputedBranch, points: &[usize], sources: Sources<'_>,
             Err(error) => return missing(&format!("point {k}: {error}"), "`verify`"),
         };
         returned.take(k, found.verification.energy_norm);
-        match beside(&found, &computed.branch.points[k], floors(computed)) {
+        match beside(&found, &computed.branch.points[k], floors(&computed.branch.points)) {
             Some(errors) => worst.iter_mut().zip(errors).for_each(|(worst, error)| worst.take(k, error)),
             None => lost.push(Place::of(k, &computed.branch.points[k])),
         }

@@ -88,8 +88,25 @@ pub fn harmonics(computed: &ComputedBranch, few: &[usize], sources: Sources<'_>,
 /// Harmonics as the source of an error.
 pub(super) fn of_harmonics(computed: &ComputedBranch) -> ErrorSource {
     let most = computed.branch.points.iter().map(|p| p.coefficients.n_harmonics()).max().unwrap_or(0);
-    let command = if computed.is_exact() { String::new() } else { format!("--set method.harmonics={}", 2 * most) };
-    ErrorSource { kind: SourceKind::Harmonics, name: counted(most, "harmonic"), command }
+    let source = too_few(most);
+    if computed.is_exact() { ErrorSource { command: String::new(), ..source } } else { source }
+}
+
+/// So many harmonics as the source of an error.
+fn too_few(harmonics: usize) -> ErrorSource {
+    let command = format!("--set method.harmonics={}", 2 * harmonics);
+    ErrorSource { kind: SourceKind::Harmonics, name: counted(harmonics, "harmonic"), command }
+}
+
+/// What twice as many harmonics change in responses that have these, at points that were solved again.
+pub(crate) fn of_responses(compared: Compared, harmonics: usize, all: usize) -> Vec<Check> {
+    let words = |n: usize, lost: &str| {
+        format!(
+            "with twice as many harmonics, {n} of {all} points, the largest motions and folds among them; others may \
+             change by more{lost}"
+        )
+    };
+    compared.checks((HARMONICS, "method.harmonics twice as large", too_few(harmonics)), words)
 }
 
 /// The estimates of the frequency's error that an accuracy has been asked for with.
@@ -181,10 +198,11 @@ fn again(
     (look, sources): (Looking<'_>, Sources<'_>),
 ) -> Vec<Check> {
     let missing = |why: &str, how| Number::ALL.map(|number| Check::missing(name, Some(number), why, how)).to_vec();
-    let (mut worst, mut lost, mut solved) = (<[Worst; 4]>::default(), Vec::new(), 0);
+    let mut compared = Compared::default();
+    let of = &computed.branch.points;
     let (began, budget) = (Instant::now(), LEAST_TIME.max(sources.points_time.mul_f64(SHARE_OF_BRANCH)));
     for (number, &k) in points.iter().enumerate() {
-        let is_enough = solved - lost.len() >= ENOUGH || began.elapsed() > budget;
+        let is_enough = compared.found() >= ENOUGH || began.elapsed() > budget;
         if number > 0 && !sources.thorough && is_enough {
             break;
         }
@@ -196,30 +214,61 @@ fn again(
             return missing(BROKEN_OFF, CERTIFY);
         }
         match found {
-            Ok(Some(after)) => {
-                let found = changes(computed, &computed.branch.points[k], &after);
-                worst.iter_mut().zip(found).for_each(|(worst, found)| worst.take(k, found));
-            }
-            Ok(None) => lost.push(Place::of(k, &computed.branch.points[k])),
+            Ok(after) => compared.take(Place::of(k, &of[k]), after.map(|after| changes(of, &of[k], &after))),
             Err(error) => return missing(&error.to_string(), how),
         }
-        solved += 1;
     }
-    let said = if lost.is_empty() { String::new() } else { format!("; {}", not_found(&lost)) };
-    let words = words(solved, &said);
-    let of = |(number, worst): (Number, Worst)| match worst.all.len() {
-        0 if lost.is_empty() => Check::missing(name, Some(number), UNTOUCHED, TOUCHING),
-        0 => Check::missing(name, Some(number), not_found(&lost), how).without(&lost),
-        n => {
-            let silent = solved - lost.len() - n;
-            let words = match silent {
-                0 => words.clone(),
-                _ => format!("{words}; {silent} of them touch no stop and say nothing of this number"),
-            };
-            Check::estimate(name, (number, source.clone()), worst.value, words).at(&worst).without(&lost)
+    compared.checks((name, how, source), words)
+}
+
+/// Points that were solved again, and what changed.
+#[derive(Debug, Default)]
+pub(crate) struct Compared {
+    worst: [Worst; 4],
+    lost: Vec<Place>,
+    solved: usize,
+}
+
+impl Compared {
+    /// Takes the changes of the numbers of a point; without any no motion was found next to it.
+    pub fn take(&mut self, place: Place, found: Option<[Option<f64>; 4]>) {
+        self.solved += 1;
+        match found {
+            Some(found) => {
+                self.worst.iter_mut().zip(found).for_each(|(worst, found)| worst.take(place.point, found));
+            }
+            None => self.lost.push(place),
         }
-    };
-    Number::ALL.into_iter().zip(worst).map(of).collect()
+    }
+
+    /// How many have a motion to compare with.
+    fn found(&self) -> usize {
+        self.solved - self.lost.len()
+    }
+
+    /// The largest change of each number.
+    pub fn checks(
+        self,
+        (name, how, source): (&'static str, &'static str, ErrorSource),
+        words: impl Fn(usize, &str) -> String,
+    ) -> Vec<Check> {
+        let found = self.found();
+        let Self { worst, lost, solved } = self;
+        let said = if lost.is_empty() { String::new() } else { format!("; {}", not_found(&lost)) };
+        let words = words(solved, &said);
+        let of = |(number, worst): (Number, Worst)| match worst.all.len() {
+            0 if lost.is_empty() => Check::missing(name, Some(number), UNTOUCHED, TOUCHING),
+            0 => Check::missing(name, Some(number), not_found(&lost), how).without(&lost),
+            n => {
+                let words = match found - n {
+                    0 => words.clone(),
+                    silent => format!("{words}; {silent} of them touch no stop and say nothing of this number"),
+                };
+                Check::estimate(name, (number, source.clone()), worst.value, words).at(&worst).without(&lost)
+            }
+        };
+        Number::ALL.into_iter().zip(worst).map(of).collect()
+    }
 }
 
 /// That Newton's method leads from these points to no motion with twice as many and back.
@@ -231,10 +280,11 @@ pub(super) fn not_found(lost: &[Place]) -> String {
 pub(super) const UNTOUCHED: &str = "no point that was looked at touches a stop";
 pub(super) const TOUCHING: &str = "a branch that goes on beyond the first touch";
 
-/// Relative changes of the numbers, in their order; none of forces where no stop is touched.
-fn changes(computed: &ComputedBranch, before: &ModalPoint, after: &ModalPoint) -> [Option<f64>; 4] {
-    let [force, impulse] = floors(computed);
-    let amplitude = computed.branch.points.iter().fold(f64::MIN_POSITIVE, |m, p| m.max(p.modal_amplitude));
+/// Relative changes of the numbers of one of all points of a branch, in their order; none of forces where no stop is
+/// touched.
+pub(crate) fn changes(all: &[ModalPoint], before: &ModalPoint, after: &ModalPoint) -> [Option<f64>; 4] {
+    let [force, impulse] = floors(all);
+    let amplitude = all.iter().fold(f64::MIN_POSITIVE, |m, p| m.max(p.modal_amplitude));
     let each = before.contacts.iter().zip(&after.contacts);
     // Before a rigid stop the largest displacement is the gap, whatever the harmonics.
     let displacement = relative(before.modal_amplitude, after.modal_amplitude, FLOOR * amplitude);
@@ -248,8 +298,7 @@ fn changes(computed: &ComputedBranch, before: &ModalPoint, after: &ModalPoint) -
 }
 
 /// Force and impulse below which these do not count by themselves.
-pub fn floors(computed: &ComputedBranch) -> [f64; 2] {
-    let points = &computed.branch.points;
+pub fn floors(points: &[ModalPoint]) -> [f64; 2] {
     let force = points.iter().map(|p| p.peak_contact_force).fold(0.0, f64::max);
     let impulse = points.iter().flat_map(|p| &p.contacts).map(|c| c.impulse).fold(0.0, f64::max);
     [force, impulse].map(|largest| (FLOOR * largest).max(f64::MIN_POSITIVE))

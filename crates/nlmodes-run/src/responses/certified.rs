@@ -9,14 +9,11 @@ use super::curves::ComputedResponse;
 use super::model::Model;
 use super::summary::imbalance;
 use super::tables::points;
-use crate::certificate::finer::{more_modes, open_modes};
-use crate::certificate::{Certificate, Check, ErrorSource, Number, Place, SourceKind, mesh, residual};
+use crate::certificate::finer::{Compared, changes, more_modes, of_responses, open_modes};
+use crate::certificate::{Certificate, Check, ErrorSource, Number, Place, SourceKind, mesh, required, residual};
 
 /// Input and dissipated power agree in the equations themselves; what is left comes from where contacts open and close.
 const POWER: f64 = 1e-6;
-
-/// How to have the rest looked at.
-const LARGER: &str = "the same scene with method.harmonics twice as large, these results laid over it by [[overlay]]";
 
 /// Of all curves together.
 pub fn certificate(scene: &Scene, model: &Model, curves: &[ComputedResponse]) -> Certificate {
@@ -26,8 +23,18 @@ pub fn certificate(scene: &Scene, model: &Model, curves: &[ComputedResponse]) ->
         let words = "difference of input and dissipated power of forced motions, all points";
         checks.push(Check::found("power balance", imbalance(curves), POWER, words));
     }
-    let harmonics = |n: Number| Check::missing("harmonics", Some(n), "more harmonics were not tried", LARGER);
-    checks.extend(Number::ALL.map(harmonics));
+    let (places, mut compared) = (places(curves), Compared::default());
+    let mut first = 0;
+    for computed in curves {
+        let own = &computed.branch.points;
+        for (k, found) in &computed.finer {
+            let changed = found.as_ref().map(|found| changes(own, &own[*k], found));
+            compared.take(places[first + k], changed);
+        }
+        first += own.len();
+    }
+    let harmonics = curves.iter().flat_map(|computed| &computed.branch.points).map(|p| p.coefficients.n_harmonics());
+    checks.extend(of_responses(compared, harmonics.max().unwrap_or(scene.method.harmonics), places.len()));
     checks.push(open_modes(scene, model.open_modes(), 0));
     checks.push(mesh::frequency(scene));
     checks.extend(mesh::contact_mass(model.shift));
@@ -42,10 +49,15 @@ pub fn certificate(scene: &Scene, model: &Model, curves: &[ComputedResponse]) ->
         };
         checks.push(Check::estimate("dashpots", (Number::Displacement, source), share, words));
     }
+    Certificate::new(&places, checks, &required(scene))
+}
+
+/// Where the points of all curves lie.
+fn places(curves: &[ComputedResponse]) -> Vec<Place> {
     let place = |(point, (_, _, found)): (usize, (_, _, &ModalPoint))| Place {
         point,
         frequency_hz: found.listed_omega() / TAU,
         energy_j: None,
     };
-    Certificate::new(&points(curves).enumerate().map(place).collect::<Vec<_>>(), checks, &scene.require)
+    points(curves).enumerate().map(place).collect()
 }

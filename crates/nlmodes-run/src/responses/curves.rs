@@ -7,7 +7,7 @@ use nlmodes::branches::Watch;
 use nlmodes::hbm::Coordinates;
 use nlmodes::modal::{ModalBranch, ModalPoint, Participation};
 use nlmodes::response::{
-    Appropriation, EndReason, Event, ResponseCurve, ResponseError, ResponseModel, ResponsePoint, ResponseSettings,
+    Appropriation, EndReason, Event, FinerSettings, ResponseCurve, ResponseError, ResponseModel, ResponsePoint, ResponseSettings,
     StepLog, appropriation, branching_responses, conservative_mode, damped_mode, detached_response, force_response,
     frequency_response, lies_on, phase_resonance, response_from_other_end,
 };
@@ -35,6 +35,8 @@ pub struct ComputedResponse {
     pub participation: Vec<Participation>,
     /// Of a curve of phase resonances: each one at the levels that were asked for, in the order of the curve.
     pub at_levels: Vec<ModalPoint>,
+    /// Points of it solved again with twice as many harmonics: their numbers, and what they became.
+    pub finer: Vec<(usize, Option<ModalPoint>)>,
     /// The motions of its points, if there is a curve.
     pub motions: Option<ResponseCurve>,
     /// Of appropriation: the forces at each point of the mode, and what they do.
@@ -147,7 +149,7 @@ pub fn follow(
 ) -> Vec<ComputedResponse> {
     let began = Instant::now();
     let settings = ResponseSettings { watch, log: log.clone(), ..settings(model, scene, &job) };
-    let computed = |(branch, participation, at_levels), motions, appropriations| ComputedResponse {
+    let computed = |(branch, participation, at_levels, finer), motions, appropriations| ComputedResponse {
         response: job.response,
         kind: job.wanted.kind,
         level: job.level,
@@ -155,12 +157,13 @@ pub fn follow(
         branch,
         participation,
         at_levels,
+        finer,
         motions,
         appropriations,
         wall_time: began.elapsed(),
     };
     let followed = model.with_drive(job.response).and_then(|system| {
-        let curves = curve(&system, scene, &job, &settings)?;
+        let (curves, accuracy) = accurate(&system, scene, &job, &settings)?;
         let converter = Converter::new(model, &system, job.wanted.kind, job.wanted.subharmonic)?;
         let mut all = Vec::new();
         for Followed { curve, further, is_cut } in curves {
@@ -174,20 +177,25 @@ pub fn follow(
                 false => "",
             };
             let mut end = curve.end.clone();
-            end.message += &format!("{cut}{}{}", not_held(&forces), not_followed(&curve, &job, scene));
+            end.message += &format!("{accuracy}{cut}{}{}", not_held(&forces), not_followed(&curve, &job, scene));
             let name = further.map_or_else(|| name.to_owned(), |further| format!("{name}, {further}"));
             let branch = converter.branch(name, &curve.points, &forces, end)?;
             let at_levels =
                 curve.at_levels.iter().map(|point| converter.point(point, None)).collect::<Result<_, _>>()?;
+            let finer = curve.finer.iter().map(|finer| {
+                let found = finer.found.as_deref().map(|found| converter.point(found, None)).transpose()?;
+                Ok((finer.point, found))
+            });
+            let finer = finer.collect::<Result<Vec<_>, ResponseError>>()?;
             let motions = branch.points.iter().zip(&curve.points);
             let participation =
                 motions.map(|(point, own)| converter.participation(point, &own.motion)).collect::<Result<_, _>>()?;
-            all.push(computed((branch, participation, at_levels), Some(curve), forces));
+            all.push(computed((branch, participation, at_levels, finer), Some(curve), forces));
         }
         Ok(all)
     });
     followed.unwrap_or_else(|error| {
-        let none = (model.no_branch(name, chain(&error)), Vec::new(), Vec::new());
+        let none = (model.no_branch(name, chain(&error)), Vec::new(), Vec::new(), Vec::new());
         vec![computed(none, None, Vec::new())]
     })
 }
@@ -221,6 +229,49 @@ fn appropriations(
 ) -> Result<Vec<Appropriation>, ResponseError> {
     let one = |point: &ResponsePoint| appropriation(system, point, &model.force_places, controlled, settings);
     curve.points.iter().take_while(|_| !settings.watch.asks_to_end()).map(one).collect()
+}
+
+/// Doublings of the number of harmonics that may leave what they change as large as it was, before no more are tried:
+/// next to a rigid stop motions with few and with many harmonics may have nothing in common.
+const IN_VAIN: usize = 3;
+
+/// Share of the change before above which that of twice as many harmonics is as large as it was.
+const AS_LARGE: f64 = 0.7;
+
+/// The curves of a job; with an accuracy, of twice as many harmonics as long as these change more than that, and with
+/// what to say of it.
+fn accurate(
+    system: &ResponseModel,
+    scene: &Scene,
+    job: &Job<'_>,
+    settings: &ResponseSettings,
+) -> Result<(Vec<Followed>, String), ResponseError> {
+    let mut own = settings.clone();
+    let (mut before, mut in_vain) = (f64::INFINITY, 0);
+    loop {
+        let found = curve(system, scene, job, &own)?;
+        let Some(accuracy) = scene.method.accuracy else { return Ok((found, String::new())) };
+        let change = found.iter().filter_map(|followed| followed.curve.truncation()).fold(0.0, f64::max);
+        let more = (2 * own.harmonics).min(accuracy.max_harmonics);
+        let is_reached = change <= accuracy.error;
+        in_vain += usize::from(change.is_infinite() || change > AS_LARGE * before);
+        before = change;
+        if is_reached || more == own.harmonics || in_vain == IN_VAIN || own.watch.asks_to_end() {
+            let said = match is_reached {
+                true => format!("; {} harmonics reach the accuracy", own.harmonics),
+                false if change.is_finite() => {
+                    format!("; the accuracy is not reached: twice {} harmonics change it by {change:.1e}", own.harmonics)
+                }
+                false => format!(
+                    "; the accuracy is not reached: next to motions with {} harmonics there are none with twice as \
+                     many, as before stops that are rigid; stiffness_n_m of a [[contact]] makes a stop elastic",
+                    own.harmonics
+                ),
+            };
+            return Ok((found, said));
+        }
+        own.harmonics = more;
+    }
 }
 
 fn curve(
@@ -334,6 +385,7 @@ fn settings(model: &Model, scene: &Scene, job: &Job<'_>) -> ResponseSettings {
         subharmonic: response.subharmonic,
         stability: scene.stability != StabilityChoice::Never,
         stability_budget_s: scene.stability_budget_s,
+        finer: Some(FinerSettings::default()),
         max_points: scene.continuation.max_points,
         max_branches: scene.continuation.max_branches,
         levels,

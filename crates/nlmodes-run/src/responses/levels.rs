@@ -1,11 +1,13 @@
-//! What a sweep over the frequency meets at each level: stable stretches, jumps, the peak.
+//! What a sweep over the frequency meets at each level: stable stretches, jumps, losses of stability, the peak.
 
 use nlmodes::modal::{Event, ModalPoint};
-use nlmodes::report::hertz;
+use nlmodes::report::{DataTable, hertz};
 use nlmodes_scene::scene::ResponseKind;
+use nlmodes_scene::{short, significant};
 use serde::Serialize;
 
 use super::curves::ComputedResponse;
+use crate::certificate::share;
 
 /// The responses at one level, over all curves over the frequency that have it.
 #[derive(Debug, Serialize)]
@@ -18,6 +20,8 @@ pub struct Level {
     stable: Vec<[f64; 2]>,
     /// Where a sweep leaves a stable stretch at a fold, in the order of the frequencies.
     jumps: Vec<Jump>,
+    /// Where a sweep leaves a stable stretch without a fold, in the order of the frequencies.
+    losses: Vec<Loss>,
     /// The largest amplitude.
     peak: Option<Peak>,
 }
@@ -26,9 +30,21 @@ pub struct Level {
 #[derive(Debug, Serialize)]
 struct Jump {
     frequency_hz: f64,
+    /// Change of the frequency of the fold with twice as many harmonics, relative; none where that was not computed.
+    frequency_error: Option<f64>,
     /// Direction of the sweep.
     direction: Direction,
     amplitude_m: Amplitudes,
+}
+
+/// Where the periodic motion of a stretch loses its stability without a fold.
+#[derive(Debug, Serialize)]
+struct Loss {
+    frequency_hz: f64,
+    /// Direction of the sweep.
+    direction: Direction,
+    /// What happens there, by the name of the event; none where nothing else was found.
+    event: Option<&'static str>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -51,20 +67,30 @@ struct Amplitudes {
 struct Peak {
     frequency_hz: f64,
     amplitude_m: f64,
+    /// Change of the amplitude with twice as many harmonics, relative; none where that was not computed.
+    amplitude_error: Option<f64>,
     peak_contact_force_n: f64,
     stable: Option<bool>,
 }
 
-/// Consecutive stable points of a curve, with a fold at an end where there is one.
+/// Stable points of a curve one after the other, with a fold at an end where there is one.
 struct Stretch<'a> {
-    points: &'a [ModalPoint],
-    folds: [Option<&'a ModalPoint>; 2],
+    of: &'a ComputedResponse,
+    /// First and last point.
+    ends: [usize; 2],
+    folds: [Option<usize>; 2],
+    /// The unstable point next to each end without a fold.
+    lost: [Option<usize>; 2],
 }
 
-/// Points behind a stable one among which the fold that ends its stretch stands.
+/// Points behind a stable one among which the fold that ends its stretch stands, and points of unknown stability that
+/// end no stretch.
 const NEAR: usize = 2;
 
-/// The levels of all curves over the frequency; none where stability was not computed.
+/// Shortest stretch that counts, over its frequency.
+const SHORTEST: f64 = 1e-6;
+
+/// Levels of all curves over the frequency; none where stability was not computed.
 pub fn all(curves: &[ComputedResponse]) -> Vec<Level> {
     let over_frequency = || curves.iter().filter(|computed| computed.kind == ResponseKind::Frequency);
     let mut keys: Vec<(usize, f64)> = Vec::new();
@@ -75,15 +101,58 @@ pub fn all(curves: &[ComputedResponse]) -> Vec<Level> {
     }
     let of = |(response, level): (usize, f64)| {
         let own = over_frequency().filter(|c| (c.response, c.level) == (response, Some(level)));
-        let points: Vec<&[ModalPoint]> = own.map(|computed| computed.branch.points.as_slice()).collect();
-        Level::of(response + 1, level, &points)
+        Level::of(response + 1, level, &own.collect::<Vec<_>>())
     };
     keys.into_iter().map(of).collect()
 }
 
+/// The levels as a table of the page; `unit` is that of the load.
+pub fn table(levels: &[Level], unit: &str) -> DataTable {
+    let level = format!("level, {unit}");
+    let head = [level.as_str(), "largest amplitude", "at, Hz", "largest contact force there, N", "stable, Hz", "a sweep"];
+    let mut table = DataTable::new("Levels: peaks, stable stretches, jumps", &head);
+    for level in levels {
+        let peak = level.peak.as_ref();
+        let of = |what: &dyn Fn(&Peak) -> String| peak.map_or_else(|| "–".to_owned(), what);
+        let sweep: Vec<String> = level.sweep();
+        table.rows.push(vec![
+            short(level.level),
+            of(&|peak| format!("{}{}", length(peak.amplitude_m), within(peak.amplitude_error))),
+            of(&|peak| short(peak.frequency_hz)),
+            of(&|peak| short(peak.peak_contact_force_n)),
+            level.stable_text(),
+            if sweep.is_empty() { "–".to_owned() } else { sweep.join("; ") },
+        ]);
+    }
+    table
+}
+
+/// A length in the unit in which it is read: `1.2 mm`.
+fn length(metres: f64) -> String {
+    let (factor, unit) = match metres.abs() {
+        size if size < 1e-4 => (1e6, "µm"),
+        size if size < 1.0 => (1e3, "mm"),
+        _ => (1.0, "m"),
+    };
+    format!("{} {unit}", significant(factor * metres, 4))
+}
+
+/// Smallest change that is more than rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// ` ± 3 %`, or nothing where the error is not known or no more than rounding.
+fn within(error: Option<f64>) -> String {
+    error.filter(|error| *error > ROUNDING).map_or_else(String::new, |error| format!(" ± {}", share(error)))
+}
+
 impl Level {
-    fn of(response: usize, level: f64, curves: &[&[ModalPoint]]) -> Self {
-        let stretches: Vec<Stretch<'_>> = curves.iter().flat_map(|points| Stretch::all(points)).collect();
+    fn of(response: usize, level: f64, curves: &[&ComputedResponse]) -> Self {
+        let mut stretches: Vec<Stretch<'_>> = curves.iter().flat_map(|computed| Stretch::all(computed)).collect();
+        // Next to a fold at which a contact grazes, one may be that no sweep stays on.
+        stretches.retain(|stretch| {
+            let [low, high] = stretch.range();
+            high - low > SHORTEST * high
+        });
         let stable = stretches.iter().map(Stretch::range).collect();
         let found: Vec<Jump> = stretches.iter().flat_map(|from| from.jumps(&stretches)).collect();
         // A fold with stable motions on both sides, as at a kink, is passed without a jump.
@@ -92,67 +161,182 @@ impl Level {
         let kept = found.into_iter().zip(passed).filter(|(_, passed)| !passed);
         let mut jumps: Vec<Jump> = kept.map(|(jump, _)| jump).collect();
         jumps.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
-        let largest = curves.iter().flat_map(|points| points.iter()).max_by(|a, b| size(a).total_cmp(&size(b)));
-        let peak = largest.map(|point| Peak {
-            frequency_hz: frequency(point),
-            amplitude_m: size(point),
-            peak_contact_force_n: point.peak_contact_force,
-            stable: point.stability.and_then(|stability| stability.stable),
+        let mut losses: Vec<Loss> = stretches.iter().flat_map(Stretch::losses).collect();
+        losses.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+        let each = curves.iter().flat_map(|of| (0..of.branch.points.len()).map(move |k| (*of, k)));
+        let size_of = |(of, k): &(&ComputedResponse, usize)| size(&of.branch.points[*k]);
+        let largest = each.max_by(|a, b| size_of(a).total_cmp(&size_of(b)));
+        let peak = largest.map(|(of, k)| {
+            let point = &of.branch.points[k];
+            Peak {
+                frequency_hz: frequency(point),
+                amplitude_m: size(point),
+                amplitude_error: change(of, k, size),
+                peak_contact_force_n: point.peak_contact_force,
+                stable: point.stability.and_then(|stability| stability.stable),
+            }
         });
-        Self { response, level, stable, jumps, peak }
+        Self { response, level, stable, jumps, losses, peak }
+    }
+
+    /// The level in a sentence: its peak, the stable stretches, and what a sweep meets. `unit` is that of the load.
+    pub fn text(&self, unit: &str) -> String {
+        let mut said = Vec::new();
+        if let Some(peak) = &self.peak {
+            let force = match peak.peak_contact_force_n {
+                force if force > 0.0 => format!(", {} N", significant(force, 4)),
+                _ => String::new(),
+            };
+            let stable = if peak.stable == Some(false) { ", unstable" } else { "" };
+            let (amplitude, error) = (length(peak.amplitude_m), within(peak.amplitude_error));
+            said.push(format!("peak {amplitude}{error} at {} Hz{force}{stable}", short(peak.frequency_hz)));
+        }
+        if !self.stable.is_empty() {
+            said.push(format!("stable from {}", self.stable_text()));
+        }
+        said.extend(self.sweep());
+        format!("{} {unit}: {}", short(self.level), said.join("; "))
+    }
+
+    /// `39 to 41.2 and 43.5 to 50 Hz`.
+    fn stable_text(&self) -> String {
+        let each: Vec<String> = self.stable.iter().map(|[a, b]| format!("{} to {}", short(*a), short(*b))).collect();
+        match each.split_last() {
+            None => "–".to_owned(),
+            Some((last, [])) => format!("{last} Hz"),
+            Some((last, others)) => format!("{} and {last} Hz", others.join(", ")),
+        }
+    }
+
+    /// What a sweep meets.
+    fn sweep(&self) -> Vec<String> {
+        let jump = |jump: &Jump| {
+            let after = jump.amplitude_m.after.map_or_else(String::new, |after| format!(" to {}", length(after)));
+            let (at, error) = (short(jump.frequency_hz), within(jump.frequency_error));
+            format!("a sweep {} jumps at {at} Hz{error} from {}{after}", jump.direction, length(jump.amplitude_m.before))
+        };
+        let loss = |loss: &Loss| {
+            let event = loss.event.map_or_else(String::new, |event| format!(" ({event})"));
+            format!("a sweep {} loses its stability at {} Hz{event}", loss.direction, short(loss.frequency_hz))
+        };
+        self.jumps.iter().map(jump).chain(self.losses.iter().map(loss)).collect()
+    }
+}
+
+impl std::fmt::Display for Direction {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(if *self == Self::Up { "up" } else { "down" })
     }
 }
 
 impl<'a> Stretch<'a> {
-    fn all(points: &'a [ModalPoint]) -> Vec<Self> {
-        let is_stable = |point: &ModalPoint| point.stability.is_some_and(|stability| stability.stable == Some(true));
-        let is_fold = |point: &&ModalPoint| point.events.contains(&Event::Fold);
+    fn all(of: &'a ComputedResponse) -> Vec<Self> {
+        let points = &of.branch.points;
+        let known = |k: usize| points[k].stability.and_then(|stability| stability.stable);
+        let is_fold = |k: &usize| points[*k].events.contains(&Event::Fold);
         let (mut found, mut from) = (Vec::new(), 0);
         while from < points.len() {
-            if !is_stable(&points[from]) {
+            if known(from) != Some(true) {
                 from += 1;
                 continue;
             }
-            let to = points[from..].iter().position(|point| !is_stable(point)).map_or(points.len(), |k| from + k);
-            let before = points[from.saturating_sub(NEAR)..=from].iter().rev().find(is_fold);
-            let behind = points[to - 1..(to + NEAR).min(points.len())].iter().find(is_fold);
-            found.push(Self { points: &points[from..to], folds: [before, behind] });
-            from = to;
+            // A few points of unknown stability between stable ones end nothing.
+            let mut to = from;
+            while let Some(next) = (to + 1..points.len().min(to + 2 + NEAR)).find(|&k| known(k).is_some())
+                && known(next) == Some(true)
+            {
+                to = next;
+            }
+            let before = (from.saturating_sub(NEAR)..=from).rev().find(is_fold);
+            let behind = (to..points.len().min(to + 1 + NEAR)).find(is_fold);
+            let unstable = |k: &usize| known(*k) == Some(false);
+            let lost = [
+                (from.saturating_sub(NEAR)..from).rev().find(unstable).filter(|_| before.is_none()),
+                (to + 1..points.len().min(to + 1 + NEAR)).find(unstable).filter(|_| behind.is_none()),
+            ];
+            found.push(Self { of, ends: [from, to], folds: [before, behind], lost });
+            from = to + 1;
         }
         found
     }
 
+    fn points(&self) -> &'a [ModalPoint] {
+        &self.of.branch.points[self.ends[0]..=self.ends[1]]
+    }
+
+    fn at(&self, k: usize) -> &'a ModalPoint {
+        &self.of.branch.points[k]
+    }
+
     /// Lowest and highest frequency, Hz.
     fn range(&self) -> [f64; 2] {
-        let all = self.points.iter().chain(self.folds.into_iter().flatten()).map(frequency);
+        let folds = self.folds.into_iter().flatten().map(|k| self.at(k));
+        let all = self.points().iter().chain(folds).map(frequency);
         all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], hz| [low.min(hz), high.max(hz)])
+    }
+
+    /// Direction of a sweep that comes from within to this frequency, Hz, at one of its ends, 0 or 1.
+    fn direction(&self, at: f64, end: usize) -> Direction {
+        let inner = frequency(self.at(self.ends[end]));
+        let [low, high] = self.range();
+        let toward = if inner == at { 0.5 * (low + high) } else { inner };
+        if at >= toward { Direction::Up } else { Direction::Down }
     }
 
     /// The jumps from its ends.
     fn jumps(&self, all: &[Stretch<'_>]) -> Vec<Jump> {
-        let inner = [self.points.first(), self.points.last()];
-        let ends = self.folds.into_iter().zip(inner).filter_map(|(fold, inner)| Some((fold?, inner?)));
-        let jump = |(fold, inner): (&ModalPoint, &ModalPoint)| {
-            let at = frequency(fold);
-            let middle = 0.5 * (self.range()[0] + self.range()[1]);
-            let toward = if frequency(inner) == at { middle } else { frequency(inner) };
+        let jump = |(end, fold): (usize, usize)| {
+            let (of, at) = (self.at(fold), frequency(self.at(fold)));
             let others = all.iter().filter(|other| !std::ptr::eq(*other, self));
             let after: Vec<f64> = others.filter_map(|other| other.amplitude(at)).collect();
             let after = if let [only] = after[..] { Some(only) } else { None };
-            let direction = if at >= toward { Direction::Up } else { Direction::Down };
-            Jump { frequency_hz: at, direction, amplitude_m: Amplitudes { before: size(fold), after } }
+            Jump {
+                frequency_hz: at,
+                frequency_error: change(self.of, fold, frequency),
+                direction: self.direction(at, end),
+                amplitude_m: Amplitudes { before: size(of), after },
+            }
         };
-        ends.map(jump).collect()
+        self.folds.into_iter().enumerate().filter_map(|(end, fold)| Some((end, fold?))).map(jump).collect()
+    }
+
+    /// The losses of stability at its ends.
+    fn losses(&self) -> Vec<Loss> {
+        let loss = |(end, unstable): (usize, usize)| {
+            let last = self.ends[end];
+            let between = if end == 0 { unstable..=last } else { last..=unstable };
+            let events = between.flat_map(|k| &self.at(k).events);
+            let event = events.filter(|event| named(event)).max_by_key(|event| is_loss(event));
+            let at = frequency(self.at(last));
+            Loss { frequency_hz: at, direction: self.direction(at, end), event: event.map(|event| event.name()) }
+        };
+        self.lost.into_iter().enumerate().filter_map(|(end, lost)| Some((end, lost?))).map(loss).collect()
     }
 
     /// Amplitude at a frequency, between two of its points, Hz and m.
     fn amplitude(&self, hz: f64) -> Option<f64> {
-        self.points.windows(2).find_map(|pair| {
+        self.points().windows(2).find_map(|pair| {
             let [a, b] = [&pair[0], &pair[1]].map(|point| (frequency(point), size(point)));
             let is_between = (a.0 - hz) * (b.0 - hz) <= 0.0 && a.0 != b.0;
             is_between.then(|| a.1 + (hz - a.0) / (b.0 - a.0) * (b.1 - a.1))
         })
     }
+}
+
+/// Whether an event tells why stability is lost.
+fn named(event: &Event) -> bool {
+    is_loss(event) || matches!(event, Event::Grazing | Event::LiftOff | Event::Kink | Event::ContactChange)
+}
+
+fn is_loss(event: &Event) -> bool {
+    matches!(event, Event::PeriodDoubling | Event::NeimarkSacker)
+}
+
+/// Relative change of a quantity of a point with twice as many harmonics.
+fn change(of: &ComputedResponse, point: usize, quantity: fn(&ModalPoint) -> f64) -> Option<f64> {
+    let (_, finer) = of.finer.iter().find(|(k, _)| *k == point)?;
+    let [before, after] = [&of.branch.points[point], finer.as_ref()?].map(quantity);
+    Some((after / before - 1.0).abs())
 }
 
 fn frequency(point: &ModalPoint) -> f64 {

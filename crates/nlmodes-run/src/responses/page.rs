@@ -10,6 +10,7 @@ use nlmodes_scene::{number, short};
 
 use super::curves::ComputedResponse;
 use super::figures::{self, Named, kind};
+use super::levels::{self, Level};
 use super::model::Model;
 use super::viewed::Viewed;
 use crate::Failure;
@@ -24,6 +25,8 @@ use crate::curve::stops::held_ends;
 pub struct Shown<'a> {
     /// The verification report of all curves.
     pub certificate: &'a Certificate,
+    /// What a sweep meets at each level.
+    pub levels: &'a [Level],
     /// Differences of what is laid over, in sentences.
     pub sentences: Vec<String>,
     /// Whether anything is laid over.
@@ -53,7 +56,7 @@ pub fn write(
         further_lines: shown.sentences.into_iter().chain(without).collect(),
         warnings: model.warnings.clone(),
         certified: vec![Certified { certificate: shown.certificate, name: None, curve: None }],
-        tables: vec![resonances(model, all)],
+        tables: vec![levels::table(shown.levels, model.unit), resonances(model, all)],
         documents: vec![("Scene as read, in SI units".to_owned(), serde_json::to_value(scene)?)],
         references: shown.references,
         period: shown.period,

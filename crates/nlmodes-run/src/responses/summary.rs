@@ -9,7 +9,7 @@ use nlmodes_scene::scene::Scene;
 use serde_json::{Value, json};
 
 use super::curves::ComputedResponse;
-use super::levels;
+use super::levels::Level;
 use super::model::Model;
 use super::tables::points;
 use crate::Failure;
@@ -21,7 +21,7 @@ use crate::curve::summary::{At, AtRest, ContactAt, End, Reduction, Resonance, St
 pub fn write(
     directory: &Path,
     (scene, model): (&Scene, &Model),
-    (curves, certificate): (&[ComputedResponse], &Certificate),
+    (curves, certificate, levels): (&[ComputedResponse], &Certificate, &[Level]),
     period: Option<&Period>,
     began: Instant,
 ) -> Result<(), Failure> {
@@ -52,7 +52,7 @@ pub fn write(
         "level_unit": model.unit,
         "points": first,
         "curves": all,
-        "levels": levels::all(curves),
+        "levels": levels,
         "complete": curves.iter().all(ComputedResponse::is_complete),
         "largest_residual": largest_residual(points(curves).map(|(_, _, point)| point)),
         "largest_power_imbalance": imbalance(curves),

@@ -126,11 +126,6 @@ fn of_method(method: &Method, diagnostics: &mut Diagnostics<'_>) {
         let diagnostic = Diagnostic::error("responses are computed with one number of harmonics");
         diagnostics.put("method.harmonics", diagnostic, "expected one whole number");
     }
-    if method.accuracy.is_some() {
-        let diagnostic =
-            Diagnostic::error("responses have the harmonics that the scene says; an accuracy does not choose them");
-        diagnostics.put("method.accuracy", diagnostic, "expected `harmonics` in its place");
-    }
 }
 
 fn response(

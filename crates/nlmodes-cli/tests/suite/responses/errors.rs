@@ -1,0 +1,84 @@
+//! Errors of responses: against the same scene with more harmonics, and harmonics chosen for an accuracy.
+
+use std::fs;
+
+use serde_json::Value;
+use tempfile::tempdir;
+
+use super::{Outcome, ROD, run, said};
+
+const RESPONSE: &str = "[[response]]\nkind = \"frequency\"\nfrequency_hz = [0.3, 0.6]\nlevels_n = [0.2]\n";
+
+fn with(method: &str, text: &str) -> Result<Value, Box<dyn std::error::Error>> {
+    let folder = tempdir()?;
+    let text = ROD.replace("harmonics = 20\n", &format!("{method}\n")) + RESPONSE + text;
+    let output = run(folder.path(), &text, &[])?;
+    assert!(output.status.success(), "{}", said(&output));
+    Ok(serde_json::from_str(&fs::read_to_string(folder.path().join("out/summary.json"))?)?)
+}
+
+fn f(value: &Value) -> f64 {
+    value.as_f64().unwrap_or(f64::NAN)
+}
+
+/// The errors that are stated of the peak and of the jump are what they change by with many harmonics, within a
+/// factor of three, and each level tells both.
+#[test]
+fn stated_errors_are_those_against_many_harmonics() -> Outcome {
+    let reference = &with("harmonics = 64", "")?["levels"][0].clone();
+    let up = |level: &Value| -> Value {
+        let jumps = level["jumps"].as_array().cloned().unwrap_or_default();
+        jumps.into_iter().find(|jump| jump["direction"] == "up").unwrap_or_default()
+    };
+    for harmonics in [6, 12] {
+        let found = with(&format!("harmonics = {harmonics}"), "")?;
+        let level = &found["levels"][0];
+        let (own, exact) = (up(level), up(reference));
+        let is = (f(&exact["frequency_hz"]) / f(&own["frequency_hz"]) - 1.0).abs();
+        let said = f(&own["frequency_error"]);
+        assert!(said > is / 3.0 && said < 3.0 * is, "{harmonics}: jump {said:e} for {is:e}");
+        let (own, exact) = (&level["peak"], &reference["peak"]);
+        let is = (f(&exact["amplitude_m"]) / f(&own["amplitude_m"]) - 1.0).abs();
+        let said = f(&own["amplitude_error"]);
+        assert!(said > is / 3.0 && said < 3.0 * is + 1e-4, "{harmonics}: peak {said:e} for {is:e}");
+        let errors = &found["errors"];
+        for number in ["frequency", "displacement", "impulse", "peak_force"] {
+            assert!(f(&errors[number]["estimate"]) > 0.0, "{number}: {errors}");
+        }
+        let command = errors["impulse"]["command"].as_str().unwrap_or_default();
+        assert_eq!(command, format!("--set method.harmonics={}", 2 * harmonics));
+    }
+    Ok(())
+}
+
+/// An accuracy chooses the harmonics, and the peak has it; where none reaches it, that is said, and the curve is there.
+#[test]
+fn an_accuracy_chooses_the_harmonics_of_a_response() -> Outcome {
+    let peak = |found: &Value| f(&found["levels"][0]["peak"]["amplitude_m"]);
+    let end = |found: &Value| found["curves"][0]["end"]["message"].as_str().unwrap_or_default().to_owned();
+    let reference = peak(&with("harmonics = 64", "")?);
+    for accuracy in [1e-2, 1e-3] {
+        let found = with(&format!("accuracy = {accuracy}"), "")?;
+        assert!(end(&found).ends_with(" harmonics reach the accuracy"), "{}", end(&found));
+        let off = (peak(&found) / reference - 1.0).abs();
+        assert!(off < 2.0 * accuracy, "{accuracy}: {off:e}");
+    }
+    let found = with("accuracy = 1e-9\nmax_harmonics = 8", "")?;
+    assert!(end(&found).contains("the accuracy is not reached: twice 8 harmonics change it by "), "{}", end(&found));
+    Ok(())
+}
+
+/// A run tells each level in a line: its peak, its stable stretches, its jumps.
+#[test]
+fn a_run_tells_where_a_sweep_jumps() -> Outcome {
+    let folder = tempdir()?;
+    let output = run(folder.path(), &(ROD.to_owned() + RESPONSE), &[])?;
+    let text = String::from_utf8(output.stdout)?;
+    let line = text.lines().find(|line| line.starts_with("0.2 N: peak ")).ok_or("no line of the level")?;
+    for part in ["stable from 0.3 to ", "a sweep up jumps at 0.", "a sweep down jumps at 0."] {
+        assert!(line.contains(part), "{part}: {line}");
+    }
+    let page = fs::read_to_string(folder.path().join("out/report.html"))?;
+    assert!(page.contains("Levels: peaks, stable stretches, jumps") && page.contains("a sweep up jumps at 0."));
+    Ok(())
+}
