@@ -66,6 +66,12 @@ pub enum FemError {
         /// Nodes of its shape.
         expected: usize,
     },
+    /// Nodes that do not ascend from 0.
+    #[error("the nodes of element {element} are not in order: nodes ascend from 0 m")]
+    Nodes {
+        /// The element, counted from 0.
+        element: usize,
+    },
     /// A mesh without elements.
     #[error("a mesh needs at least one element")]
     NoElements,

@@ -4,6 +4,10 @@ use crate::error::positive;
 /// A node is at a position if its distance is at most this fraction of the length of the mesh.
 const TOLERANCE: f64 = 1e-9;
 
+/// Share of the shorter element nearer than which no node is put beside one that stays: shorter elements would cost the
+/// others their digits.
+pub const NEAREST: f64 = 1e-2;
+
 /// Nodes along a straight line from 0 to L.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
@@ -57,6 +61,72 @@ impl Mesh {
             Some(element) => Err(FemError::DegenerateMesh { element, elements, grading }),
             None => Ok(Self { nodes, lengths }),
         }
+    }
+
+    /// Nodes at these positions, m.
+    ///
+    /// # Errors
+    /// [`FemError::NoElements`], or [`FemError::Nodes`] where they do not ascend from 0.
+    pub fn of_nodes(nodes: Vec<f64>) -> Result<Self, FemError> {
+        if nodes.len() < 2 {
+            return Err(FemError::NoElements);
+        }
+        let lengths: Vec<f64> = nodes.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let wrong = lengths.iter().position(|h| !(h.is_finite() && *h > 0.0));
+        match wrong.or((nodes[0] != 0.0).then_some(0)) {
+            Some(element) => Err(FemError::Nodes { element }),
+            None => Ok(Self { nodes, lengths }),
+        }
+    }
+
+    /// The same mesh with nodes at these positions as well, m: the nearest node is moved there or, where that is an end
+    /// or at another of the positions, one is put there. A position where there is a node, to `tolerance` of the
+    /// shorter element beside it, keeps that. No node comes nearer than [`NEAREST`] of the shorter element to one that
+    /// stays, and none beyond the ends: such positions are left out.
+    ///
+    /// ```
+    /// let mesh = nlmodes_fem::Mesh::uniform(1.0, 4)?.with_nodes_at(&[0.3, 0.9], 1e-4);
+    /// assert_eq!(mesh.nodes(), [0.0, 0.3, 0.5, 0.75, 0.9, 1.0]);
+    /// # Ok::<(), nlmodes_fem::FemError>(())
+    /// ```
+    pub fn with_nodes_at(&self, positions: &[f64], tolerance: f64) -> Self {
+        let mut sorted: Vec<f64> = positions.iter().copied().filter(|x| *x > 0.0 && *x < self.length()).collect();
+        sorted.sort_by(f64::total_cmp);
+        let mut nodes: Vec<(f64, bool)> = self.nodes.iter().map(|x| (*x, false)).collect();
+        let nearest = |nodes: &[(f64, bool)], x: f64| {
+            let after = nodes.partition_point(|(node, _)| *node < x).clamp(1, nodes.len() - 1);
+            let node = if x - nodes[after - 1].0 < nodes[after].0 - x { after - 1 } else { after };
+            let beside = nodes[node.saturating_sub(1)..(node + 2).min(nodes.len())].windows(2);
+            let shorter = beside.map(|pair| pair[1].0 - pair[0].0).fold(f64::INFINITY, f64::min);
+            (node, (nodes[node].0 - x).abs() / shorter, after)
+        };
+        let last = nodes.len() - 1;
+        (nodes[0].1, nodes[last].1) = (true, true);
+        for x in &sorted {
+            let (node, distance, _) = nearest(&nodes, *x);
+            nodes[node].1 |= distance <= tolerance;
+        }
+        for x in sorted {
+            match nearest(&nodes, x) {
+                (_, distance, _) if distance <= tolerance => {}
+                (node, ..) if !nodes[node].1 => nodes[node] = (x, true),
+                (_, distance, after) if distance >= NEAREST => nodes.insert(after, (x, true)),
+                _ => {}
+            }
+        }
+        let nodes: Vec<f64> = nodes.into_iter().map(|(x, _)| x).collect();
+        if nodes == self.nodes {
+            return self.clone();
+        }
+        let lengths = nodes.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        Self { nodes, lengths }
+    }
+
+    /// Each element halved.
+    pub fn halved(&self) -> Self {
+        let inner = self.nodes.windows(2).flat_map(|pair| [pair[0], 0.5 * (pair[0] + pair[1])]);
+        let nodes = inner.chain(self.nodes.last().copied()).collect();
+        Self { nodes, lengths: self.lengths.iter().flat_map(|h| [0.5 * h; 2]).collect() }
     }
 
     /// The same mesh refined toward some nodes: each adjacent element is halved, then the half next to the node again,
@@ -204,6 +274,35 @@ mod tests {
         }
         assert!(matches!(Mesh::uniform(1.0, 1).unwrap().refined(&[1], 0.0), Err(FemError::NotPositive { .. })));
         assert!(matches!(Mesh::uniform(1.0, 1).unwrap().refined(&[1], 1e30), Err(FemError::DegenerateMesh { .. })));
+    }
+
+    #[test]
+    fn nodes_are_moved_or_put_where_they_are_wanted() {
+        let mesh = Mesh::graded(2.0, 10, 5.0).unwrap();
+        // Nothing changes where there are nodes, or for positions beyond the ends.
+        let own = [mesh.nodes()[3], mesh.nodes()[7], -0.1, 0.0, 2.0, 2.5];
+        assert_eq!(mesh.with_nodes_at(&own, 1e-4), mesh);
+        let wanted = [0.31, 0.32, mesh.nodes()[4], 1.0, 1.9999, 1.97];
+        let fitted = mesh.with_nodes_at(&wanted, 1e-4);
+        let is_node = |x: f64| fitted.nodes().contains(&x);
+        for x in [0.31, 0.32, mesh.nodes()[4], 1.0, 1.97] {
+            assert!(is_node(x), "{x}: {:?}", fitted.nodes());
+        }
+        // Too near to the end.
+        assert!(!is_node(1.9999));
+        assert!(fitted.nodes().is_sorted() && fitted.length() == 2.0 && fitted.nodes()[0] == 0.0);
+        assert!((10..=13).contains(&fitted.elements()));
+        let shortest = fitted.element_lengths().iter().copied().fold(f64::INFINITY, f64::min);
+        assert!(shortest > 0.9e-2, "{shortest}");
+        for (pair, h) in fitted.nodes().windows(2).zip(fitted.element_lengths()) {
+            assert_eq!(pair[1] - pair[0], *h);
+        }
+        assert_eq!(Mesh::of_nodes(fitted.nodes().to_vec()), Ok(fitted.clone()));
+        let halves = fitted.halved();
+        assert_eq!(halves.elements(), 2 * fitted.elements());
+        assert!(fitted.nodes().iter().enumerate().all(|(i, x)| halves.nodes()[2 * i] == *x));
+        assert!(matches!(Mesh::of_nodes(vec![0.0, 1.0, 1.0]), Err(FemError::Nodes { element: 1 })));
+        assert!(matches!(Mesh::of_nodes(vec![0.1, 1.0]), Err(FemError::Nodes { element: 0 })));
     }
 
     #[test]

@@ -91,6 +91,12 @@ pub enum HbmError {
         /// Its gap.
         gap: f64,
     },
+    /// The law whose amplitude is given does not move in the mode.
+    #[error("the first spring is at a node of mode {mode}: its amplitude does not say where the mode begins")]
+    LawAtNode {
+        /// Number of the mode, from 1.
+        mode: usize,
+    },
     /// The mode has no frequency (a rigid-body mode).
     #[error(
         "mode {mode} is a rigid-body mode, which strains nothing: it has no frequency to start from{}",

@@ -101,7 +101,7 @@ pub use history::ContactDefects;
 pub use mixed_shooting::{MAX_HARMONICS, MixedShooting, MixedShootingSettings, Scales};
 pub use nlmodes_reduction::HeldMode;
 pub use periodic::{
-    Bilinear, Exponential, ForceLaw, LawForce, PlacedLaw, Polynomial, PowerDamper, PowerSpring, TableLaw,
+    Bilinear, Exponential, ForceLaw, LawForce, ModeStart, PlacedLaw, Polynomial, PowerDamper, PowerSpring, TableLaw,
     largest_value, law_length, modal_start,
 };
 pub use periodic::{

@@ -30,8 +30,8 @@ pub use damped_stop::DampedStop;
 pub use damping::ModalDamping;
 pub use floquet::Floquet;
 pub use law::{
-    Bilinear, Exponential, ForceLaw, LawForce, PlacedLaw, Polynomial, PowerDamper, PowerSpring, TableLaw, law_length,
-    modal_start,
+    Bilinear, Exponential, ForceLaw, LawForce, ModeStart, PlacedLaw, Polynomial, PowerDamper, PowerSpring, TableLaw,
+    law_length, modal_start,
 };
 pub use load::{Load, LoadTerm};
 pub use motion::{ContactMotion, PeriodicMotion, largest_value};

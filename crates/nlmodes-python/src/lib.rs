@@ -19,6 +19,7 @@ mod contact;
 mod continuation;
 mod errors;
 mod experiment;
+mod law;
 mod looking;
 mod run;
 mod scene;

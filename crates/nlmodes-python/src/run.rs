@@ -12,6 +12,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::errors;
+use crate::law::{Given, Laws};
 use crate::looking::{Looking, Onlooker};
 use crate::scene::{Source, warnings};
 
@@ -44,6 +45,7 @@ struct Done {
 }
 
 /// Computes what a scene describes and writes its files: into `out`, or `scratch` where the scene names no directory.
+/// `laws` are those of its springs that are functions.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "those of the function of Python")]
 pub fn run(
@@ -55,6 +57,7 @@ pub fn run(
     over: &str,
     memory_limit: Option<&str>,
     progress: Option<Py<PyAny>>,
+    laws: Given,
 ) -> PyResult<Outcome> {
     let over = match over {
         "same" => Over::Same,
@@ -67,12 +70,19 @@ pub fn run(
     if let Some(out) = out.or(scratch.filter(|_| !names_directory)) {
         scene.set_output_directory(&out);
     }
+    let laws = Laws::new(laws);
+    if let AnyScene::Structure(files) = &mut scene {
+        files.iter_mut().for_each(|file| file.functions.clone_from(&laws.by_name));
+    }
     let directory = scene.output_directory().map_or_else(PathBuf::new, Path::to_path_buf);
     let mut onlooker = Onlooker { looking: Looking::new(progress), warnings: warnings(&scene) };
     let done = errors::computed(py, || compute(scene, over, &mut onlooker))?;
     // A signal of the last milliseconds is not lost either.
     onlooker.looking.look();
     if let Some(error) = onlooker.looking.raised() {
+        return Err(error);
+    }
+    if let Some(error) = laws.raised() {
         return Err(error);
     }
     let done = done.map_err(|error| errors::of_run(py, &error))?;

@@ -2,8 +2,8 @@ use std::sync::Arc;
 
 use nlmodes_contact::solver_by_name;
 use nlmodes_hbm::{
-    DampedStop, ForceLaw, HbmError, Load, LoadTerm, ModalGrazing, ModalStructure, ModeAtRest, PhaseLag, PlacedLaw,
-    ResponseRow, modal_grazing, modal_lift_off, modal_start,
+    DampedStop, ForceLaw, HbmError, Load, LoadTerm, ModalGrazing, ModalStructure, ModeAtRest, ModeStart, PhaseLag,
+    PlacedLaw, ResponseRow, modal_grazing, modal_lift_off, modal_start,
 };
 use nlmodes_linalg::Mat;
 use nlmodes_reduction::{OpenModes, RestState};
@@ -37,7 +37,7 @@ pub struct ResponseModel {
     forces: Vec<ForceAt>,
     drive: Option<Weights>,
     laws: Vec<LawAt>,
-    start_energy: Option<f64>,
+    mode_start: ModeStart,
 }
 
 /// A law at its place.
@@ -77,7 +77,7 @@ impl ResponseModel {
             forces: Vec::new(),
             drive: None,
             laws: Vec::new(),
-            start_energy: None,
+            mode_start: ModeStart::default(),
         })
     }
 
@@ -135,9 +135,9 @@ impl ResponseModel {
         Ok(())
     }
 
-    /// The averaged kinetic energy, J, at which nonlinear modes of a structure with laws begin.
-    pub fn set_start_energy(&mut self, energy: Option<f64>) {
-        self.start_energy = energy;
+    /// Where nonlinear modes of a structure with laws begin.
+    pub fn set_mode_start(&mut self, start: ModeStart) {
+        self.mode_start = start;
     }
 
     /// Adds a force `level · amplitude · cos(harmonic Ωt + phase)` (N a unit of the level, rad) at a degree of freedom.
@@ -288,7 +288,7 @@ impl ResponseModel {
     /// As [`modal_grazing`], [`modal_lift_off`] and [`modal_start`], or what the reduction reports of the structure at rest.
     pub fn linear_start(&self, mode: usize) -> Result<ModalGrazing, ResponseError> {
         if !self.laws.is_empty() {
-            return Ok(modal_start(&self.structure, mode, self.start_energy)?);
+            return Ok(modal_start(&self.structure, mode, self.mode_start)?);
         }
         let Some(rest) = self.pressed_rest()? else { return Ok(modal_grazing(&self.structure, mode)?) };
         let modes = self.open.closed_modes(&rest.closed)?;

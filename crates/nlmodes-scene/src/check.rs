@@ -48,8 +48,8 @@ pub struct Subject<'a> {
 pub fn scene(raw: &RawScene, stem: &str, base: &Path, diagnostics: &mut Diagnostics<'_>) -> Option<Scene> {
     let tables = raw.contact.as_deref().unwrap_or_default();
     let stops: Vec<f64> = tables.iter().map(|contact| contact.at_m).collect();
-    let nodes = nodes::mesh(&raw.structure, &stops, diagnostics)?;
     let fixed = Fixed::of_one(&raw.structure, diagnostics);
+    let nodes = nodes::mesh(&raw.structure, &stops, &fixed.places(), diagnostics)?;
     structure::alone(&raw.structure, diagnostics);
     let structure = structure::check(&raw.structure, &nodes, &fixed, diagnostics);
     let bodies = [Body { raw: &raw.structure, mesh: &nodes.mesh }];
@@ -70,7 +70,7 @@ pub fn bodies_scene(raw: &RawBodiesScene, stem: &str, base: &Path, diagnostics: 
     let (mut nodes, mut structures) = (Vec::new(), Vec::new());
     for (i, (raw, fixed)) in raws.iter().zip(&fixed).enumerate() {
         diagnostics.about_structure(Some(i));
-        let own = nodes::mesh(raw, &contact::stops_of(i, tables), diagnostics)?;
+        let own = nodes::mesh(raw, &contact::stops_of(i, tables), &fixed.places(), diagnostics)?;
         structures.push(structure::check(raw, &own, fixed, diagnostics));
         nodes.push(own);
     }
@@ -116,8 +116,8 @@ pub fn reduced_scene(
 
 /// A rod or beam of a scene that has its stops elsewhere, at these positions.
 fn one_structure(raw: &RawStructure, stops: &[f64], diagnostics: &mut Diagnostics<'_>) -> Option<Structure> {
-    let nodes = nodes::mesh(raw, stops, diagnostics)?;
     let fixed = Fixed::of_one(raw, diagnostics);
+    let nodes = nodes::mesh(raw, stops, &fixed.places(), diagnostics)?;
     structure::alone(raw, diagnostics);
     structure::check(raw, &nodes, &fixed, diagnostics)
 }
@@ -159,7 +159,7 @@ fn rest(
     let reduction = reduction::check(raw, (default, &subject.places), diagnostics);
     let has_responses = raw.has_responses();
     let ends_elsewhere = raw.response.as_ref().is_some_and(|responses| !responses.is_empty());
-    continuation::check(&raw.continuation, ends_elsewhere, diagnostics);
+    continuation::check(&raw.continuation, ends_elsewhere, raw.has_laws(), diagnostics);
     let uniform = structure.as_ref().is_none_or(|s| s.straight().is_some_and(|s| s.segments.is_empty()));
     let updating = raw.updating.as_ref().map(|written| updating::checked(written, uniform, diagnostics));
     contact::dampers(&contacts, structure.as_ref(), has_responses, diagnostics);

@@ -51,7 +51,9 @@ pub fn parse_other<T: DeserializeOwned + JsonSchema, S>(
     let refused = diagnostics.refuse();
     let diagnostics = diagnostics.into_sorted();
     match made {
-        Some(scene) if !refused => Ok(SceneFile { scene, document, warnings: diagnostics }),
+        Some(scene) if !refused => {
+            Ok(SceneFile { scene, document, warnings: diagnostics, functions: Default::default() })
+        }
         _ => Err(SceneError::of_checks(document, diagnostics)),
     }
 }

@@ -221,7 +221,10 @@ fn tables<T: DeserializeOwned>(
 fn finish<S>(scene: Option<S>, diagnostics: Diagnostics<'_>) -> Result<SceneFile<S>, SceneError> {
     let document = diagnostics.spelled_document();
     match scene {
-        Some(scene) if !diagnostics.refuse() => Ok(SceneFile { scene, document, warnings: diagnostics.into_sorted() }),
+        Some(scene) if !diagnostics.refuse() => {
+            let warnings = diagnostics.into_sorted();
+            Ok(SceneFile { scene, document, warnings, functions: Default::default() })
+        }
         _ => Err(SceneError::of_checks(document, diagnostics.into_sorted())),
     }
 }

@@ -156,6 +156,10 @@ pub struct Structure {
     /// structure's own go on.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub segments: Vec<Segment>,
+    /// Positions of its nodes before refinement, m, where some were moved or put to stops and parts; else the mesh is
+    /// graded.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nodes: Option<Vec<f64>>,
     /// Elements that are shorter beside some nodes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub refined: Option<Refined>,
@@ -203,10 +207,9 @@ impl Structure {
     /// # Errors
     /// [`FemError`] for elements that cannot be told apart.
     pub fn mesh(&self) -> Result<Mesh, FemError> {
-        let mesh = if self.grading == 1.0 {
-            Mesh::uniform(self.length, self.elements)?
-        } else {
-            Mesh::graded(self.length, self.elements, self.grading)?
+        let mesh = match &self.nodes {
+            Some(nodes) => Mesh::of_nodes(nodes.clone())?,
+            None => Mesh::graded(self.length, self.elements, self.grading)?,
         };
         match &self.refined {
             Some(Refined { beside, factor }) => mesh.refined(beside, *factor),
@@ -214,16 +217,20 @@ impl Structure {
         }
     }
 
-    /// The same with each element halved, with its parts at the same places; none where they stand at nodes that the
-    /// finer mesh has elsewhere, as of a graded one.
+    /// The same with each element halved, with its parts at the same places; none where they stand at nodes beside which
+    /// the mesh is refined.
     pub fn with_twice_the_elements(&self) -> Option<Self> {
         let mut finer = Self { elements: 2 * self.elements, ..self.clone() };
         let has_places = !(self.segments.is_empty() && self.mass_points.is_empty() && self.springs.is_empty());
-        if !has_places && self.refined.is_none() {
+        if !has_places && self.refined.is_none() && self.nodes.is_none() {
             return Some(finer);
         }
-        if self.grading != 1.0 || (has_places && self.refined.is_some()) {
+        if has_places && self.refined.is_some() {
             return None;
+        }
+        if self.grading != 1.0 || self.nodes.is_some() {
+            let coarse = Self { refined: None, ..self.clone() }.mesh().ok()?;
+            finer.nodes = Some(coarse.halved().nodes().to_vec());
         }
         finer.segments.iter_mut().for_each(|segment| segment.to_node *= 2);
         finer.mass_points.iter_mut().for_each(|point| point.node *= 2);

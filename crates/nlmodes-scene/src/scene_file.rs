@@ -1,6 +1,10 @@
 //! A scene with the texts that it was read from.
 
+use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
+
+use nlmodes::hbm::ForceLaw;
 
 use crate::{Diagnostic, Document, RecordScene, Scene, SceneError, TestScene, diagnostic};
 
@@ -13,12 +17,14 @@ pub struct SceneFile<S = Scene> {
     pub document: Document,
     /// Warnings.
     pub warnings: Vec<Diagnostic>,
+    /// Laws of springs that the program gives which computes the scene, by the names under which they stand there.
+    pub functions: BTreeMap<String, Arc<dyn ForceLaw>>,
 }
 
 impl<S> SceneFile<S> {
     /// A checked scene without its text, such as that of results; `name` is used in messages.
     pub fn without_text(scene: S, name: &str) -> Self {
-        Self { scene, document: Document::empty(name), warnings: Vec::new() }
+        Self { scene, document: Document::empty(name), warnings: Vec::new(), functions: BTreeMap::new() }
     }
 
     /// The error `title` at the value of the key at `path` (as `contact.0.gap_m`); `label` is printed beside the value.

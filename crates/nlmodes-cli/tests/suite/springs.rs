@@ -122,6 +122,36 @@ fn laws_that_are_the_same_force_are_the_same_mode() -> Outcome {
     Ok(())
 }
 
+/// A mode begins where its scene says: by the amplitude of the first spring, or the energy of the linear mode there.
+#[test]
+fn a_mode_begins_at_the_amplitude_of_its_first_spring() -> Outcome {
+    let folder = prepared()?;
+    let first = |start: &str| -> Result<HashMap<String, f64>, Box<dyn Error>> {
+        let law = "{ polynomial = [0.0, 0.0, 6e9] }";
+        let text = with_law(law, "1e2").replace("[continuation]\n", &format!("[continuation]\n{start}\n"));
+        Ok(run(folder.path(), &text)?.into_iter().next().ok_or("no points")?)
+    };
+    let by_amplitude = first("start_amplitude_m = 2e-5")?;
+    assert!((by_amplitude["fundamental_m"].abs() / 2e-5 - 1.0).abs() < 1e-2, "{by_amplitude:?}");
+    let by_energy = first(&format!("start_energy_j = {}", by_amplitude["energy_j"]))?;
+    assert!((by_energy["fundamental_m"] / by_amplitude["fundamental_m"] - 1.0).abs() < 1e-6);
+    for (start, said) in [
+        ("start_amplitude_m = 1e-5\nstart_energy_j = 1e-7", "a mode has one beginning, and this scene has two"),
+        ("start_amplitude_m = -1e-5", "expected"),
+    ] {
+        fs::write(
+            folder.path().join("scene.toml"),
+            with_law("{ polynomial = [0.0, 0.0, 6e9] }", "1e2")
+                .replace("[continuation]\n", &format!("[continuation]\n{start}\n")),
+        )?;
+        let output =
+            Command::cargo_bin("nlmodes-cli")?.args(["check", "scene.toml"]).current_dir(folder.path()).output()?;
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(2) && text.contains(said), "{text}");
+    }
+    Ok(())
+}
+
 /// Beside a spring a dashpot is a linear damper, in a damped mode and its damping ratio.
 #[test]
 fn a_dashpot_beside_a_spring_is_a_linear_damper() -> Outcome {

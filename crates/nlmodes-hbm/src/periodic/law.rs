@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 pub(crate) use operator::LawOperator;
 pub use shapes::{Bilinear, Exponential, Polynomial, PowerDamper, PowerSpring};
-pub use start::{law_length, modal_start};
+pub use start::{ModeStart, law_length, modal_start};
 pub use table::TableLaw;
 
 use super::structure::ModalStructure;

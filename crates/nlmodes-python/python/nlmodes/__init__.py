@@ -10,6 +10,7 @@
 :func:`check`, :func:`schema`     what can be said before anything is computed
 :func:`columns`                   what the columns of results mean
 :func:`linear_frequencies`        the linear modes of a scene
+:class:`Law`                      a spring or damper whose force is a function
 :class:`Structure`                stiffness and mass matrices with contacts
 :class:`Study`                    a quantity over parameters, from many branches
 :func:`verify`                    one period of the full structure from a computed point
@@ -28,12 +29,14 @@ from ._native import __version__
 from ._result import Result, read, verify
 from ._run import check, columns, linear_frequencies, run, schema
 from ._table import Table
+from .law import Law
 from .structure import Structure
 from .study import Study, StudyTable
 
 __all__ = [
     "Branch",
     "History",
+    "Law",
     "Mistake",
     "Motion",
     "Result",

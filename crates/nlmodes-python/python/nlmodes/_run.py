@@ -14,6 +14,7 @@ from . import _native
 from ._errors import SceneWarning
 from ._files import Scratch
 from ._result import Result
+from .law import taken_out
 
 Scene: TypeAlias = str | os.PathLike[str] | Mapping[str, Any]
 """A scene: path of a TOML file, text of one (with a line break in it), or a dictionary of its tables."""
@@ -100,7 +101,8 @@ def run(
     Parameters
     ----------
     scene
-        Path of a TOML file, its text, or a dictionary of its tables. ``nlmodes.schema()`` has every key with unit, limits and default.
+        Path of a TOML file, its text, or a dictionary of its tables, in which the law of a spring may be a :class:`nlmodes.Law`.
+        ``nlmodes.schema()`` has every key with unit, limits and default.
     out
         Directory of the files. Left out: the one that the scene names; for a file that names none ``results/<name of the file>``, for a
         text or a dictionary a temporary one that goes with the result, which ``out=False`` asks for in any case.
@@ -144,6 +146,9 @@ def run(
     >>> nlmodes.run(rod, method__harmonics=5).branches[0].coefficients.shape[2]
     6
     """
+    laws: list[tuple[str, Any, Any, bool]] = []
+    if isinstance(scene, Mapping):
+        scene, laws = taken_out(scene)
     source = _source(scene)
     if resume and force:
         raise ValueError("resume and force exclude each other")
@@ -155,7 +160,7 @@ def run(
     directory = place if out is False else None if out is None else Path(out)
     shown = _progress(progress)
     try:
-        outcome = _native.run(source, _overrides(overrides), directory, place, over, memory_limit, shown)
+        outcome = _native.run(source, _overrides(overrides), directory, place, over, memory_limit, shown, laws)
     finally:
         if isinstance(shown, _Bar):
             shown.close()

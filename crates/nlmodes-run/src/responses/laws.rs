@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use nlmodes::hbm::{Bilinear, Exponential, ForceLaw, Polynomial, PowerDamper, PowerSpring, TableLaw};
+use nlmodes::hbm::{Bilinear, Exponential, ForceLaw, ModeStart, Polynomial, PowerDamper, PowerSpring, TableLaw};
 use nlmodes::response::{ResponseModel, Weights};
 use nlmodes_io::{Address, read_numbers};
 use nlmodes_scene::SceneFile;
@@ -46,7 +46,9 @@ pub fn add(
             ["where both come to rest is not computed: give the law about that place, and gaps that are open there"];
         return Err(file.error_at("contact", title, "expected gaps that are not negative", &help).into());
     }
-    response.set_start_energy(scene.continuation.start_energy_j);
+    let of = &scene.continuation;
+    let amplitude = of.start_amplitude_m.map(ModeStart::Amplitude);
+    response.set_mode_start(amplitude.or(of.start_energy_j.map(ModeStart::Energy)).unwrap_or_default());
     Ok(springs)
 }
 
@@ -77,6 +79,12 @@ fn law(file: &SceneFile, i: usize, law: &SpringLaw) -> Result<Arc<dyn ForceLaw>,
         SpringLaw::Polynomial(coefficients) => Arc::new(Polynomial { coefficients: coefficients.clone() }),
         SpringLaw::Table(path) => table(path, "table", false)?,
         SpringLaw::DamperTable(path) => table(path, "damper_table", true)?,
+        SpringLaw::Function(name) => file.functions.get(name).cloned().ok_or_else(|| {
+            let title = format!("the law `{name}` of a program is not there");
+            let help =
+                ["nlmodes.run of Python takes nlmodes.Law(force, slope) here; a file has \"polynomial\", \"table\", …"];
+            file.error_at(&format!("spring.{i}.law.function"), &title, "expected a law that is given", &help)
+        })?,
         &SpringLaw::Power { stiffness, exponent, one_sided } => {
             Arc::new(PowerSpring { stiffness, exponent, one_sided })
         }

@@ -109,7 +109,8 @@ pub fn all(curves: &[ComputedResponse]) -> Vec<Level> {
 /// The levels as a table of the page; `unit` is that of the load.
 pub fn table(levels: &[Level], unit: &str) -> DataTable {
     let level = format!("level, {unit}");
-    let head = [level.as_str(), "largest amplitude", "at, Hz", "largest contact force there, N", "stable, Hz", "a sweep"];
+    let head =
+        [level.as_str(), "largest amplitude", "at, Hz", "largest contact force there, N", "stable, Hz", "a sweep"];
     let mut table = DataTable::new("Levels: peaks, stable stretches, jumps", &head);
     for level in levels {
         let peak = level.peak.as_ref();
@@ -213,7 +214,11 @@ impl Level {
         let jump = |jump: &Jump| {
             let after = jump.amplitude_m.after.map_or_else(String::new, |after| format!(" to {}", length(after)));
             let (at, error) = (short(jump.frequency_hz), within(jump.frequency_error));
-            format!("a sweep {} jumps at {at} Hz{error} from {}{after}", jump.direction, length(jump.amplitude_m.before))
+            format!(
+                "a sweep {} jumps at {at} Hz{error} from {}{after}",
+                jump.direction,
+                length(jump.amplitude_m.before)
+            )
         };
         let loss = |loss: &Loss| {
             let event = loss.event.map_or_else(String::new, |event| format!(" ({event})"));

@@ -194,22 +194,9 @@ fn off_node(path: &str, at: f64, mesh: &Mesh, diagnostics: &mut Diagnostics<'_>)
         let title = format!("`{path}` lies beyond the structure, which ends at {} m", number(length));
         perhaps_millimetres(Diagnostic::error(title), at, length)
     } else {
-        let diagnostic = Diagnostic::error(format!("`{path}` is not at a node of the mesh"));
-        match elements_with_a_node(mesh, at) {
-            Some(n) => diagnostic.help(format!("a node lies there with structure.elements = {n}")),
-            None => diagnostic,
-        }
+        Diagnostic::error(format!("`{path}` is too near to another node for one of its own"))
     };
     diagnostics.put(path, diagnostic, label);
-}
-
-/// The next number of elements with which a node of an even mesh lies at the position, if it is not far.
-fn elements_with_a_node(mesh: &Mesh, at: f64) -> Option<usize> {
-    let (now, part) = (mesh.elements(), at / mesh.length());
-    let lengths = mesh.element_lengths();
-    let even = lengths.iter().all(|length| (length / lengths[0] - 1.0).abs() < 1e-9);
-    let fits = |n: &usize| (part * *n as f64 - (part * *n as f64).round()).abs() < 1e-9 * *n as f64;
-    (now + 1..=4 * now).find(|n| even && fits(n))
 }
 
 /// Adds what to write if a position beyond the end of the structure is one in millimetres.

@@ -2,8 +2,9 @@ use crate::rule::number;
 use crate::scene::{AtBranchPoint, Continuation, FrequencyDirection, InternalResonance};
 use crate::{Diagnostic, Diagnostics};
 
-/// With `has_responses` it need not say where a branch ends: responses have levels and windows of their own.
-pub fn check(branch: &Continuation, has_responses: bool, diagnostics: &mut Diagnostics<'_>) {
+/// With `has_responses` it need not say where a branch ends: responses have levels and windows of their own;
+/// `has_laws` whether there are springs with a law.
+pub fn check(branch: &Continuation, has_responses: bool, has_laws: bool, diagnostics: &mut Diagnostics<'_>) {
     if let Some(window) = branch.frequency_hz {
         check_window(window, diagnostics);
         check_start(branch.start_frequency_hz, window, diagnostics);
@@ -17,6 +18,7 @@ pub fn check(branch: &Continuation, has_responses: bool, diagnostics: &mut Diagn
         diagnostics.put("continuation", diagnostic, label);
     }
     check_energy(branch, diagnostics);
+    check_beginning(branch, has_laws, diagnostics);
     check_choices(branch, diagnostics);
 }
 
@@ -34,6 +36,19 @@ fn check_energy(branch: &Continuation, diagnostics: &mut Diagnostics<'_>) {
             diagnostic,
             format!("found {}, expected at most {}", diagnostics.written(path), number(max)),
         );
+    }
+}
+
+/// Where a mode of a structure with springs begins.
+fn check_beginning(branch: &Continuation, has_laws: bool, diagnostics: &mut Diagnostics<'_>) {
+    let [energy, amplitude] = ["continuation.start_energy_j", "continuation.start_amplitude_m"];
+    if branch.start_energy_j.is_some() && branch.start_amplitude_m.is_some() {
+        let diagnostic = Diagnostic::error("a mode has one beginning, and this scene has two");
+        diagnostics.put(amplitude, diagnostic, "expected this or `start_energy_j`, not both");
+    }
+    for path in [energy, amplitude].into_iter().filter(|path| !has_laws && diagnostics.has(path)).collect::<Vec<_>>() {
+        let diagnostic = Diagnostic::warning(format!("`{path}` has no effect"));
+        diagnostics.put(path, diagnostic, "only modes of structures with [[spring]] begin there; others at grazing");
     }
 }
 

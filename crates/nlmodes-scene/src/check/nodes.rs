@@ -9,16 +9,27 @@ use crate::{Diagnostic, Diagnostics};
 /// A stop is at a node if it is nearer to it than this part of the shorter element beside it.
 const TOLERANCE: f64 = 1e-4;
 
-/// A mesh, and how it was refined.
+/// A mesh, and how it was made.
 pub struct Nodes {
     pub mesh: Mesh,
+    /// Positions of the nodes, before refinement, where these are not those of a graded mesh.
+    pub nodes: Option<Vec<f64>>,
+    /// Number of elements before refinement.
+    pub elements: usize,
     pub refined: Option<Refined>,
 }
 
-/// The mesh of the structure with stops at these positions, if what it depends on is sound.
-pub fn mesh(raw: &RawStructure, stops: &[f64], diagnostics: &mut Diagnostics<'_>) -> Option<Nodes> {
-    let mesh = coarse(raw, diagnostics)?;
-    let Some(factor) = raw.refine.filter(|factor| *factor > 1.0) else { return Some(Nodes { mesh, refined: None }) };
+/// The mesh of the structure with nodes at its stops and at these other places, if what it depends on is sound.
+pub fn mesh(raw: &RawStructure, stops: &[f64], parts: &[f64], diagnostics: &mut Diagnostics<'_>) -> Option<Nodes> {
+    let graded = coarse(raw, diagnostics)?;
+    let segments = raw.segment.iter().flatten().map(|segment| segment.to_m);
+    let wanted: Vec<f64> = stops.iter().chain(parts).copied().chain(segments).collect();
+    let mesh = graded.with_nodes_at(&wanted, TOLERANCE);
+    let nodes = (mesh != graded).then(|| mesh.nodes().to_vec());
+    let elements = mesh.elements();
+    let Some(factor) = raw.refine.filter(|factor| *factor > 1.0) else {
+        return Some(Nodes { mesh, nodes, elements, refined: None });
+    };
     let mut beside: Vec<usize> = stops.iter().filter_map(|at| node_at(&mesh, *at)).collect();
     beside.sort_unstable();
     beside.dedup();
@@ -26,10 +37,10 @@ pub fn mesh(raw: &RawStructure, stops: &[f64], diagnostics: &mut Diagnostics<'_>
         let path = "structure.refine";
         let diagnostic = Diagnostic::warning(format!("`{path}` has no effect"));
         diagnostics.put(path, diagnostic, "there is no stop at a node of the mesh");
-        return Some(Nodes { mesh, refined: None });
+        return Some(Nodes { mesh, nodes, elements, refined: None });
     }
     match mesh.refined(&beside, factor) {
-        Ok(mesh) => Some(Nodes { mesh, refined: Some(Refined { beside, factor }) }),
+        Ok(mesh) => Some(Nodes { mesh, nodes, elements, refined: Some(Refined { beside, factor }) }),
         Err(error) => {
             diagnostics.put("structure.refine", unusable(&error), "expected elements that can be told apart");
             None

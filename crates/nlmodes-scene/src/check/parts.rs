@@ -36,6 +36,12 @@ impl<'a> Fixed<'a> {
         Self::of_each(raw, Some(0), diagnostics)
     }
 
+    /// Where these are, m.
+    pub fn places(&self) -> Vec<f64> {
+        let masses = self.masses.iter().map(|mass| mass.table.at);
+        masses.chain(self.springs.iter().map(|spring| spring.table.at_m)).collect()
+    }
+
     fn of_each(raw: &'a [RawStructure], first: Option<usize>, diagnostics: &mut Diagnostics<'_>) -> Vec<Self> {
         let mut all: Vec<Self> = raw.iter().map(|_| Self::default()).collect();
         for (i, structure) in raw.iter().enumerate() {
@@ -159,7 +165,7 @@ fn node(path: &str, at: f64, mesh: &Mesh, diagnostics: &mut Diagnostics<'_>) -> 
     if found.is_none() {
         let path = format!("{path}.at_m");
         let [low, high] = beside(mesh, at).map(|node| number(mesh.nodes()[node]));
-        let diagnostic = Diagnostic::error(format!("`{path}` is not at a node of the mesh"));
+        let diagnostic = Diagnostic::error(format!("`{path}` is beyond the structure, or too near to another node"));
         let label = format!("found {}, expected the position of a node: {low} or {high} m", diagnostics.written(&path));
         diagnostics.put(&path, diagnostic, label);
     }

@@ -73,6 +73,7 @@ fn law(i: usize, raw: &RawLaw, base: &Path, diagnostics: &mut Diagnostics<'_>) -
         ("bilinear", raw.bilinear.is_some()),
         ("damper", raw.damper.is_some()),
         ("damper_table", raw.damper_table.is_some()),
+        ("function", raw.function.is_some()),
     ]
     .into_iter()
     .filter_map(|(key, there)| there.then_some(key))
@@ -106,5 +107,6 @@ fn law(i: usize, raw: &RawLaw, base: &Path, diagnostics: &mut Diagnostics<'_>) -
     let damper =
         raw.damper.as_ref().map(|law| SpringLaw::Damper { coefficient: law.coefficient, exponent: law.exponent });
     let damper_table = raw.damper_table.as_ref().map(|file| SpringLaw::DamperTable(base.join(file)));
-    polynomial.or(table).or(power).or(exponential).or(bilinear).or(damper).or(damper_table)
+    let function = raw.function.clone().map(SpringLaw::Function);
+    polynomial.or(table).or(power).or(exponential).or(bilinear).or(damper).or(damper_table).or(function)
 }

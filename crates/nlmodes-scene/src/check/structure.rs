@@ -25,7 +25,7 @@ pub fn check(
     let segments = segments(raw, section, &nodes.mesh, diagnostics);
     Some(Structure {
         length: raw.length_m,
-        elements: raw.elements as usize,
+        elements: nodes.elements,
         grading: raw.grading.unwrap_or(1.0),
         mass_matrix: raw.mass_matrix.unwrap_or_default(),
         start: raw.start,
@@ -35,6 +35,7 @@ pub fn check(
         section: section?,
         added_mass: raw.added_mass_kg_m.unwrap_or(0.0),
         segments: segments?,
+        nodes: nodes.nodes.clone(),
         refined: nodes.refined.clone(),
         mass_points,
         springs,
@@ -79,7 +80,7 @@ fn end(i: usize, raw: &RawSegment, from: usize, mesh: &Mesh, diagnostics: &mut D
     let to = raw.to_m;
     let Some(node) = node_at(mesh, to) else {
         let [low, high] = beside(mesh, to).map(|node| number(mesh.nodes()[node]));
-        let diagnostic = Diagnostic::error(format!("`{path}` is not at a node of the mesh"));
+        let diagnostic = Diagnostic::error(format!("`{path}` is beyond the structure, or too near to another node"));
         let label = format!("found {}, expected the position of a node: {low} or {high} m", diagnostics.written(&path));
         diagnostics.put(&path, diagnostic, label);
         return None;

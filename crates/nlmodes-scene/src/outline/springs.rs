@@ -22,6 +22,7 @@ fn law(law: &SpringLaw) -> String {
             format!("polynomial with [{}] N/m, N/m², N/m³ …", list(coefficients))
         }
         SpringLaw::Table(path) => format!("table {}", path.display()),
+        SpringLaw::Function(name) => format!("function {name} of a program"),
         SpringLaw::DamperTable(path) => format!("damper by the table {}", path.display()),
         SpringLaw::Power { stiffness, exponent, one_sided } => {
             let side = if *one_sided { ", against positive displacements alone" } else { "" };

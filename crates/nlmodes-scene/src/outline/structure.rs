@@ -103,11 +103,12 @@ fn mesh(structure: &Structure) -> String {
         grading => format!("the first {} times as long as the last", number(grading)),
     };
     let dofs = structure.free_dofs();
+    let fitted = if structure.nodes.is_some() { ", but with nodes at stops and parts" } else { "" };
     let refined = structure.refined.as_ref().map_or_else(String::new, |refined| {
         let nodes = counted(refined.beside.len(), "node");
         format!(", but {} times shorter beside {nodes} with stops", number(refined.factor))
     });
-    format!("{elements} {grading}{refined}; {dofs} degrees of freedom; {} mass", structure.mass_matrix.name())
+    format!("{elements} {grading}{fitted}{refined}; {dofs} degrees of freedom; {} mass", structure.mass_matrix.name())
 }
 
 fn stop(contact: &Contact, several: bool) -> String {

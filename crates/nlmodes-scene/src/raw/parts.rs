@@ -8,7 +8,7 @@ use crate::scene::SpringDirection;
 #[derive(Debug, Deserialize, JsonSchema)]
 #[schemars(extend("oneRequired" = ["stiffness_n_m", "stiffness_nm"]))]
 pub struct RawSpring {
-    /// Position along the axis, measured from the start; must be a node of the mesh
+    /// Position along the axis, measured from the start; the mesh gets a node there
     #[schemars(extend("unit" = "m", "minimum" = 0.0))]
     pub at_m: f64,
     /// Direction of the motion that it holds back; a rotational spring is "rotation"
@@ -27,7 +27,7 @@ pub struct RawSpring {
 /// A part of a rod or beam, from where the one before ends, or the start.
 #[derive(Debug, Deserialize, JsonSchema)]
 pub struct RawSegment {
-    /// Position at which it ends; must be a node of the mesh
+    /// Position at which it ends; the mesh gets a node there
     #[schemars(extend("unit" = "m", "exclusiveMinimum" = 0.0))]
     pub to_m: f64,
     /// Its material; default: that of the structure

@@ -19,7 +19,7 @@ pub struct RawLawSpring {
 /// The force of a spring by its displacement, or of a damper by its velocity: one of these.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(extend(
-    "oneRequired" = ["polynomial", "table", "power", "exponential", "bilinear", "damper", "damper_table"]
+    "oneRequired" = ["polynomial", "table", "power", "exponential", "bilinear", "damper", "damper_table", "function"]
 ))]
 pub struct RawLaw {
     /// Coefficients of displacement, its square, its cube and so on, in N/m, N/m², N/m³ …
@@ -39,6 +39,9 @@ pub struct RawLaw {
     /// Table velocity_m_s,force_n through the origin, in the same way as `table`
     #[schemars(length(min = 1))]
     pub damper_table: Option<String>,
+    /// Name of a law that a program gives beside the scene, as `nlmodes.Law` of Python does
+    #[schemars(length(min = 1))]
+    pub function: Option<String>,
 }
 
 /// `F = k |v|ⁿ sgn v`.

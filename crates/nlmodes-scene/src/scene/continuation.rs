@@ -29,6 +29,10 @@ pub struct Continuation {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("unit" = "J", "exclusiveMinimum" = 0.0))]
     pub start_energy_j: Option<f64>,
+    /// The same by the amplitude of the first spring in the linear mode
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("unit" = "m", "exclusiveMinimum" = 0.0))]
+    pub start_amplitude_m: Option<f64>,
     /// Which way the branch leaves `start_frequency_hz` or `start_energy_ratio`
     #[serde(default)]
     pub direction: FrequencyDirection,

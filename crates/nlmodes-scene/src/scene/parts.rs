@@ -10,7 +10,7 @@ pub struct MassPoint {
     #[serde(default)]
     #[schemars(skip)]
     pub node: usize,
-    /// Position along the axis, measured from the start; must be a node of the mesh
+    /// Position along the axis, measured from the start; the mesh gets a node there
     #[serde(rename = "at_m")]
     #[schemars(extend("unit" = "m", "minimum" = 0.0))]
     pub at: f64,

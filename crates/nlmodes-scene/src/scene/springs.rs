@@ -60,11 +60,6 @@ pub enum SpringLaw {
     },
     /// Table of velocity, m/s, and force, N.
     DamperTable(PathBuf),
-}
-
-impl SpringLaw {
-    /// Whether its force follows the velocity.
-    pub fn dissipates(&self) -> bool {
-        matches!(self, Self::Damper { .. } | Self::DamperTable(_))
-    }
+    /// A law of the program that computes the scene, by its name.
+    Function(String),
 }

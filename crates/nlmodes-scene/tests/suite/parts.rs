@@ -120,6 +120,38 @@ fn elements_beside_stops_are_refined_and_converge() -> Outcome {
     Ok(())
 }
 
+/// A rod with a mass between two nodes of its mesh, which gets one there: `cot(ka) − tan(k(L − a)) = m k/(ρA)`.
+#[test]
+fn a_mass_and_a_stop_between_nodes_are_where_they_are() -> Outcome {
+    let (length, at, mass, per_length) = (1.2_f64, 0.4321_f64, 0.1, 0.27);
+    let balance = |k: f64| 1.0 / (k * at).tan() - (k * (length - at)).tan() - mass * k / per_length;
+    let (mut low, mut high) = (1e-3, std::f64::consts::FRAC_PI_2 / length);
+    for _ in 0..100 {
+        let middle = 0.5 * (low + high);
+        if balance(middle) > 0.0 { low = middle } else { high = middle }
+    }
+    let exact = low * (70e9_f64 / 2700.0).sqrt();
+    let mut errors = Vec::new();
+    for elements in [25, 50, 100] {
+        let parts = format!("[[structure.mass_point]]\nat_m = {at}\nmass_kg = {mass}\n");
+        let text = rod("[structure]", &parts).replace("elements = 240", &format!("elements = {elements}"));
+        let found = scene(&text, &STOP.replace("at_m = 1.2", "at_m = 0.7777"))?;
+        let (own, model) = (found.structure.straight().ok_or("not a rod")?, self::elements(&found)?);
+        assert_eq!(own.all_elements(), elements);
+        let contact = model.contacts()[0].normal.entries()[0].0;
+        assert_eq!((found.contacts[0].at, model.dofs()[contact].position), (0.7777, 0.7777));
+        let omega = linear_modes(model.mass(), model.stiffness(), 1)?.omega[0];
+        errors.push(omega / exact - 1.0);
+        let finer = own.with_twice_the_elements().ok_or("no finer mesh")?;
+        let finer = element_model(&finer, &[])?;
+        let omega = linear_modes(finer.mass(), finer.stiffness(), 1)?.omega[0];
+        assert!((0.2..0.3).contains(&((omega / exact - 1.0) / errors.last().ok_or("none")?)));
+    }
+    // Errors of linear elements fall with the square of their length.
+    assert!(errors[2] > 0.0 && errors[2] < 1e-4 && errors.windows(2).all(|e| e[1] < 0.3 * e[0]), "{errors:?}");
+    Ok(())
+}
+
 #[test]
 fn parts_keep_their_places_on_the_finer_mesh() -> Outcome {
     let parts = "[[structure.mass_point]]\nat_m = 0.6\nmass_kg = 0.1\n";
@@ -134,14 +166,16 @@ fn parts_keep_their_places_on_the_finer_mesh() -> Outcome {
     assert!((0.0..1e-4).contains(&change), "{change:e}");
     assert_eq!((finer.segments[0].to_node, finer.mass_points[0].node), (280, 240));
     let graded = scene(&rod("[structure]\ngrading = 1.0000001", parts), STOP)?;
-    assert!(graded.structure.straight().ok_or("not a rod")?.with_twice_the_elements().is_none());
+    let own = graded.structure.straight().ok_or("not a rod")?;
+    let change = first(own)? / first(&own.with_twice_the_elements().ok_or("no finer mesh")?)? - 1.0;
+    assert!((0.0..1e-4).contains(&change), "{change:e}");
     Ok(())
 }
 
 #[test]
 fn segments_off_a_node_or_out_of_order_are_refused_at_their_place() {
-    let off = refused(&rod("[structure]", "[[structure.segment]]\nto_m = 0.7013\n"), STOP);
-    assert!(off.contains("`structure.segment.0.to_m` is not at a node") && off.contains("0.7 or 0.705"), "{off}");
+    let off = refused(&rod("[structure]", "[[structure.segment]]\nto_m = 7.013\n"), STOP);
+    assert!(off.contains("`structure.segment.0.to_m` is beyond the structure"), "{off}");
     let back = rod("[structure]", "[[structure.segment]]\nto_m = 0.7\n[[structure.segment]]\nto_m = 0.5\n");
     let back = refused(&back, STOP);
     assert!(back.contains("`structure.segment.1.to_m` is not behind"), "{back}");
@@ -209,8 +243,8 @@ fn what_is_wrong_with_one_of_several_is_said_at_its_place() {
     assert!(beyond.contains("`contact.0.against.structure`: there is no structure 5"), "{beyond}");
     let itself = wrong("structure = 1\nat_m = 1.2\nagainst = { structure = 1, at_m = 0.6 }\n");
     assert!(itself.contains("is the structure that touches"), "{itself}");
-    let off = wrong("structure = 1\nat_m = 1.2\nagainst = { structure = 2, at_m = 0.0031 }\n");
-    assert!(off.contains("`contact.0.against.at_m` is not at a node"), "{off}");
+    let off = wrong("structure = 1\nat_m = 1.2\nagainst = { structure = 2, at_m = 1e-5 }\n");
+    assert!(off.contains("`contact.0.against.at_m` is too near to another node"), "{off}");
     let held = wrong("structure = 2\nat_m = 1.2\n");
     assert!(held.contains("at the clamped end, which does not move"), "{held}");
     let second = facing(PAIR).replacen("section = { area_m2 = 1e-4 }", "section = { width_m = 1e-4 }", 2);

@@ -12,12 +12,27 @@ const BARELY_NONLINEAR: f64 = 1e-4;
 /// The same where displacements are of the size at which laws matter.
 const NONLINEAR: f64 = 0.1;
 
+/// Displacement of a law by a mode, over the sum of its shares, below which it is at a node.
+const NODE: f64 = 1e-10;
+
 /// Samples of a period in which that is evaluated, and most halvings of the amplitude, from one metre at a law on.
 const SAMPLES: usize = 64;
 const HALVINGS: usize = 200;
 
 /// Squared frequency over the largest below which a mode is a rigid-body motion.
 const RIGID: f64 = 1e-12;
+
+/// Where a nonlinear mode of a structure with laws begins.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum ModeStart {
+    /// So small that the laws hardly change its frequency, and at most half of the amplitude that touches a stop.
+    #[default]
+    Linear,
+    /// At this averaged kinetic energy, J.
+    Energy(f64),
+    /// At this amplitude of the first law in the linear mode, m.
+    Amplitude(f64),
+}
 
 /// A linear mode of the structure with the tangents of its laws at rest.
 struct Tangent {
@@ -26,13 +41,12 @@ struct Tangent {
 }
 
 /// Where a nonlinear mode of a structure with laws begins: linear mode `mode` (from 1) of the structure with the
-/// tangents of its laws at rest, of the averaged kinetic energy `energy` (J), or, without one, so small that the laws
-/// change its frequency hardly, and at most half of the amplitude that touches a stop.
+/// tangents of its laws at rest.
 ///
 /// # Errors
-/// As [`modal_lift_off`] but for modes that move no contact, [`HbmError::NoSuchMode`], [`HbmError::RigidBodyMode`],
+/// [`HbmError::LawAtNode`] for an amplitude of a law that the mode does not move, as [`modal_lift_off`] but for modes that move no contact, [`HbmError::NoSuchMode`], [`HbmError::RigidBodyMode`],
 /// [`HbmError::PressedAtRest`] or [`HbmError::Linalg`].
-pub fn modal_start(structure: &ModalStructure, mode: usize, energy: Option<f64>) -> Result<ModalGrazing, HbmError> {
+pub fn modal_start(structure: &ModalStructure, mode: usize, start: ModeStart) -> Result<ModalGrazing, HbmError> {
     if structure.is_pressed() {
         let contact = structure.gaps().iter().position(|g| *g < 0.0).unwrap_or(0);
         return Err(HbmError::PressedAtRest { contact, gap: structure.gaps()[contact] });
@@ -49,9 +63,10 @@ pub fn modal_start(structure: &ModalStructure, mode: usize, energy: Option<f64>)
         Err(error) => return Err(error),
     };
     let least = touching.as_ref().map_or(f64::INFINITY, |touching| touching.amplitude.abs());
-    let amplitude = match energy {
-        Some(energy) => 2.0 * energy.sqrt() / omega,
-        None => amplitude_within(structure, &shape, omega_squared, BARELY_NONLINEAR).min(0.5 * least),
+    let amplitude = match start {
+        ModeStart::Energy(energy) => 2.0 * energy.sqrt() / omega,
+        ModeStart::Amplitude(of_law) => of_law / first_law(structure, &shape).ok_or(HbmError::LawAtNode { mode })?,
+        ModeStart::Linear => amplitude_within(structure, &shape, omega_squared, BARELY_NONLINEAR).min(0.5 * least),
     };
     // Lengths of the problem are those at which laws or stops matter, not those at which the mode begins.
     let of_laws = displacement(structure, &shape, amplitude_within(structure, &shape, omega_squared, NONLINEAR));
@@ -71,6 +86,14 @@ pub fn modal_start(structure: &ModalStructure, mode: usize, energy: Option<f64>)
         mean: padded(&rest),
         shape: padded(&shape),
     })
+}
+
+/// Displacement of the first law by a mode of unit amplitude, 1/√kg; none where it is at a node of the mode.
+fn first_law(structure: &ModalStructure, shape: &[f64]) -> Option<f64> {
+    let moved = |law: &super::PlacedLaw| shape.iter().zip(&law.modes).map(|(s, r)| s * r).sum::<f64>().abs();
+    let all: Vec<f64> = structure.laws().iter().map(moved).collect();
+    let size = shape.iter().zip(structure.laws().first()?.modes.iter()).map(|(s, r)| (s * r).abs()).sum::<f64>();
+    all.first().copied().filter(|first| *first > NODE * size)
 }
 
 /// Displacement of a law, m, at which laws change the frequency of a mode by a tenth.
