@@ -86,7 +86,7 @@ impl ForcedStructure {
     }
 
     /// A state with its rates multiplied by a factor.
-    fn in_units(&self, state: &[f64], factor: f64) -> Vec<f64> {
+    pub(super) fn in_units(&self, state: &[f64], factor: f64) -> Vec<f64> {
         let m = self.n_modes();
         let is_rate = |i: usize| (m..2 * m).contains(&i);
         state.iter().enumerate().map(|(i, v)| if is_rate(i) { v * factor } else { *v }).collect()
