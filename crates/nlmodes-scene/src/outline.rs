@@ -9,10 +9,12 @@ mod springs;
 mod static_loads;
 mod structure;
 mod test;
+mod transient;
 
 use std::fmt;
 
 use crate::assemble::{OpenStructure, StaticState};
+pub use responses::place as place_in_words;
 use crate::number;
 use crate::scene::{RecordScene, Scene, TestScene};
 

@@ -6,6 +6,7 @@ mod input;
 mod motion;
 mod series;
 mod shooting;
+mod stroboscope;
 mod trajectory;
 mod transient;
 

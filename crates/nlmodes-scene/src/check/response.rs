@@ -33,7 +33,7 @@ pub fn check(
     if let (Some(method), true) = (method, raw.has_responses()) {
         of_method(method, diagnostics);
     }
-    if written.is_empty() {
+    if written.is_empty() && raw.transient.is_none() {
         without_effect(raw, diagnostics);
     }
     let mut responses: Vec<Response> =

@@ -10,6 +10,8 @@ pub(super) const ORDER: usize = 26;
 #[derive(Debug, Clone)]
 pub(super) struct Series {
     rows: Vec<Vec<f64>>,
+    /// The integral over a whole step.
+    whole: Vec<f64>,
 }
 
 /// `Σ_k a_k τ^k` for τ from 0 to 1.
@@ -28,7 +30,9 @@ impl Series {
             next.iter_mut().for_each(|v| *v *= step / k as f64);
             rows.push(next);
         }
-        Self { rows }
+        let integral = |j: usize| rows.iter().enumerate().map(|(k, row)| row[j] / (k + 1) as f64).sum::<f64>();
+        let whole = (0..row.len()).map(integral).collect();
+        Self { rows, whole }
     }
 
     /// The polynomial from the state `w` on.
@@ -38,14 +42,19 @@ impl Series {
         Polynomial { a, size: size(&self.rows[0], w) }
     }
 
+    /// The row.
+    pub fn row(&self) -> &[f64] {
+        &self.rows[0]
+    }
+
     /// Its first four coefficients.
     pub fn leading(&self, w: &[f64]) -> [f64; 4] {
         [0, 1, 2, 3].map(|k| dot(&self.rows[k], w))
     }
 
-    /// Value at `w`.
-    pub fn at(&self, w: &[f64]) -> f64 {
-        dot(&self.rows[0], w)
+    /// `∫ dτ` over the whole step from the state `w` on.
+    pub fn integral(&self, w: &[f64]) -> f64 {
+        dot(&self.whole, w)
     }
 
     /// Value and slope over a step at `w`.

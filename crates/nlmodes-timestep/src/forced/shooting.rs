@@ -115,7 +115,7 @@ impl ForcedStructure {
 }
 
 /// Largest difference of two states relative to the first.
-fn distance(x: &[f64], end: &[f64]) -> f64 {
+pub(super) fn distance(x: &[f64], end: &[f64]) -> f64 {
     // NaN is preserved.
     let larger = |most: f64, v: f64| if v.abs() > most || v.is_nan() { v.abs() } else { most };
     let largest = |of: &mut dyn Iterator<Item = f64>| of.fold(0.0, larger);

@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 
 use super::flow::Flow;
 use super::input::fits;
-use super::series::{ORDER, Polynomial};
+use super::series::{ORDER, Polynomial, Series};
 use super::trajectory::{Piece, Propagator, Running};
 use super::{ForcedStructure, Signal};
 use crate::TimestepError;
@@ -85,8 +85,7 @@ impl Stretch<'_> {
     /// The value of an observed displacement at the beginning, and by how much it would change in the whole stretch at
     /// its rate there, m: cheaper than [`observed`](Self::observed).
     pub fn observed_roughly(&self, number: usize) -> [f64; 2] {
-        let [value, slope] = self.flow().observed[number].value_and_slope(&self.piece.w);
-        [value, slope * self.piece.length / self.flow().step]
+        self.roughly(&self.flow().observed[number])
     }
 
     /// A contact force, N; zero while the contact is open.
@@ -94,9 +93,24 @@ impl Stretch<'_> {
         self.along(self.flow().forces_along[contact].from(&self.piece.w))
     }
 
-    /// The force of a contact at the beginning, N.
-    pub fn first_force(&self, contact: usize) -> f64 {
-        self.flow().forces_along[contact].at(&self.piece.w)
+    /// The force of a contact at the beginning, and by how much it would change in the whole stretch at its rate there,
+    /// N: cheaper than [`force`](Self::force).
+    pub fn force_roughly(&self, contact: usize) -> [f64; 2] {
+        self.roughly(&self.flow().forces_along[contact])
+    }
+
+    /// Integral of the force of a contact over the stretch, N s.
+    pub fn impulse(&self, contact: usize) -> f64 {
+        let (flow, w) = (self.flow(), &self.piece.w);
+        match self.piece.length == flow.step {
+            true => flow.step * flow.forces_along[contact].integral(w),
+            false => self.force(contact).integral(),
+        }
+    }
+
+    fn roughly(&self, of: &Series) -> [f64; 2] {
+        let [value, slope] = of.value_and_slope(&self.piece.w);
+        [value, slope * self.piece.length / self.flow().step]
     }
 
     /// The gap of an open contact, m.
@@ -151,7 +165,7 @@ impl Touches {
             let approach = if stretch.from() > 0.0 { self.approach[contact].max(0.0) } else { 0.0 };
             let new = Touch { contact, instant: stretch.from(), duration: 0.0, impulse: 0.0, approach };
             let touch = self.current[contact].get_or_insert(new);
-            touch.impulse += stretch.force(contact).integral();
+            touch.impulse += stretch.impulse(contact);
             touch.duration = stretch.from() + stretch.length() - touch.instant;
         }
     }
