@@ -63,7 +63,8 @@ impl Curve<'_> {
         let (began, mut all) = (Instant::now(), Vec::<FinerPoint>::new());
         let harmonics = self.system.settings().harmonics;
         let finest = settings.factor.max(1) * harmonics;
-        let mut steps: Vec<usize> = (1..=STEPS).map(|k| harmonics + ((finest - harmonics) * k).div_ceil(STEPS)).collect();
+        let mut steps: Vec<usize> =
+            (1..=STEPS).map(|k| harmonics + ((finest - harmonics) * k).div_ceil(STEPS)).collect();
         steps.dedup();
         for point in self.candidates(points) {
             let is_enough = all.iter().filter(|finer| finer.found.is_some()).count() >= settings.enough;

@@ -158,7 +158,11 @@ impl Curve<'_> {
     }
 
     /// The point of a solution, of this problem or of `another` with more harmonics, without stability and events.
-    pub fn motion(&mut self, another: Option<&mut PeriodicSystem>, found: Refined) -> Result<ResponsePoint, ResponseError> {
+    pub fn motion(
+        &mut self,
+        another: Option<&mut PeriodicSystem>,
+        found: Refined,
+    ) -> Result<ResponsePoint, ResponseError> {
         let system = another.unwrap_or(&mut self.system);
         let motion = system.refined_motion(&found)?;
         let Refined { x, p, residual, .. } = found;

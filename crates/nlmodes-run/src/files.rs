@@ -38,8 +38,7 @@ pub const HISTORIES: usize = 20;
 /// Removes what a run writes at its end, which would not belong to the points of another one.
 pub fn remove_ends(directory: &Path) {
     remove_figures(directory);
-    let ends =
-        [
+    let ends = [
         "summary.json",
         "harmonics.npz",
         "contacts.csv",

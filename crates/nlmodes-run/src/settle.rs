@@ -3,7 +3,6 @@
 
 mod error;
 mod lines;
-mod motion;
 mod near;
 mod search;
 mod text;
@@ -14,8 +13,6 @@ use num_complex::Complex64;
 use serde::Serialize;
 
 pub use error::SettleError;
-pub use motion::Motion;
-pub(crate) use motion::scene_of;
 use search::Search;
 
 /// How a point is disturbed, and how long it is followed.

@@ -1,6 +1,5 @@
 //! A motion in time under any loads: integrated exactly between contact instants, and its files.
 
-mod course;
 mod histories;
 mod noise;
 mod prepared;
@@ -23,8 +22,6 @@ use crate::updating::updated;
 use crate::{Event, Failure, Observer, Over, RunError, chain, doubts, links};
 use histories::Histories;
 use prepared::Prepared;
-pub(crate) use prepared::structure;
-pub(crate) use start::state_of;
 
 /// Samples in a period of the highest frequency where the scene does not say how many.
 const PER_PERIOD: f64 = 64.0;
@@ -107,7 +104,7 @@ fn begin(file: &SceneFile) -> Result<Begun, RunError> {
     let samples = rate * transient.duration;
     if samples > MOST_SAMPLES {
         let title = format!("{} samples of each history", number(samples.ceil()));
-        let expected = format!("expected at most {} in `transient.duration_s`", number(MOST_SAMPLES));
+        let expected = format!("expected at most {} in all: a lower rate, or a shorter motion", number(MOST_SAMPLES));
         return Err(file.error_at("transient.sample_rate_hz", &title, &expected, &[]).into());
     }
     Ok(Begun { transient, model, prepared, state, rate })

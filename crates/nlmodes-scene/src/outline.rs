@@ -14,9 +14,9 @@ mod transient;
 use std::fmt;
 
 use crate::assemble::{OpenStructure, StaticState};
-pub use responses::place as place_in_words;
 use crate::number;
 use crate::scene::{RecordScene, Scene, TestScene};
+pub use responses::place as place_in_words;
 
 /// What a scene would compute. Its [`Display`](fmt::Display) is the text of `nlmodes-cli check`.
 #[derive(Debug, Clone, PartialEq, Eq)]

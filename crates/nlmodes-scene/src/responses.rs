@@ -16,7 +16,10 @@ pub fn of_transient(root: &mut DeTable<'_>) {
     }
     if !root.contains_key("method") {
         let Ok(method) = DeTable::parse(HARMONICS_OF) else { return };
-        root.insert(Spanned::new(place.clone(), "method".into()), Spanned::new(place, DeValue::Table(method.into_inner())));
+        root.insert(
+            Spanned::new(place.clone(), "method".into()),
+            Spanned::new(place, DeValue::Table(method.into_inner())),
+        );
     }
 }
 

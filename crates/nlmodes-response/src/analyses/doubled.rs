@@ -9,7 +9,9 @@ use num_complex::Complex64;
 
 use super::forced::{curve_over_frequency, over_frequency};
 use crate::curve::joined;
-use crate::{EndReason, Event, FinerPoint, ResponseCurve, ResponseError, ResponseModel, ResponsePoint, ResponseSettings};
+use crate::{
+    EndReason, Event, FinerPoint, ResponseCurve, ResponseError, ResponseModel, ResponsePoint, ResponseSettings,
+};
 
 /// Amplitudes of the disturbance, over the size of the motion, with which the way onto a doubled branch is tried.
 const OFF: [f64; 4] = [1e-2, 3e-2, 3e-3, 1e-1];

@@ -7,9 +7,9 @@ use nlmodes::branches::Watch;
 use nlmodes::hbm::Coordinates;
 use nlmodes::modal::{ModalBranch, ModalPoint, Participation};
 use nlmodes::response::{
-    Appropriation, EndReason, Event, FinerSettings, ResponseCurve, ResponseError, ResponseModel, ResponsePoint, ResponseSettings,
-    StepLog, appropriation, branching_responses, conservative_mode, damped_mode, detached_response, force_response,
-    frequency_response, lies_on, phase_resonance, response_from_other_end,
+    Appropriation, EndReason, Event, FinerSettings, ResponseCurve, ResponseError, ResponseModel, ResponsePoint,
+    ResponseSettings, StepLog, appropriation, branching_responses, conservative_mode, damped_mode, detached_response,
+    force_response, frequency_response, lies_on, phase_resonance, response_from_other_end,
 };
 use nlmodes_scene::number;
 use nlmodes_scene::scene::{AtBranchPoint, Response, ResponseKind, Scene, StabilityChoice, Switching};
@@ -260,7 +260,10 @@ fn accurate(
             let said = match is_reached {
                 true => format!("; {} harmonics reach the accuracy", own.harmonics),
                 false if change.is_finite() => {
-                    format!("; the accuracy is not reached: twice {} harmonics change it by {change:.1e}", own.harmonics)
+                    format!(
+                        "; the accuracy is not reached: twice {} harmonics change it by {change:.1e}",
+                        own.harmonics
+                    )
                 }
                 false => format!(
                     "; the accuracy is not reached: next to motions with {} harmonics there are none with twice as \

@@ -239,8 +239,7 @@ fn moving_base(
     let direction = match base.direction {
         BaseDirection::Along(direction) => direction,
         BaseDirection::Vector(direction) => {
-            let (files, _) =
-                reduction.and_then(|r| r.files.as_ref()).ok_or("the structure has an axis")?;
+            let (files, _) = reduction.and_then(|r| r.files.as_ref()).ok_or("the structure has an axis")?;
             let (inertia, rigid) = (files.inertia_along(direction), files.rigid_displacement(direction));
             return Ok(BaseMotion { inertia, rigid, unit, stop_is_fixed });
         }

@@ -52,7 +52,8 @@ pub fn two_lines(values: &[f64], n: usize) -> Option<TwoLines> {
     let folded = |x: f64| (x - x.round()).abs();
     // The beat is the offset of a strong line, or a part of it.
     let fits = |beat: f64, at: f64| {
-        (1..=MULTIPLES).any(|m| (folded(at) - folded(m as f64 * beat)).abs() < OFF * (1.0 + m as f64 / 10.0) / periods as f64)
+        (1..=MULTIPLES)
+            .any(|m| (folded(at) - folded(m as f64 * beat)).abs() < OFF * (1.0 + m as f64 / 10.0) / periods as f64)
     };
     let beat = folded(second);
     let explained = peaks.iter().all(|k| fits(beat, place(*k) / periods as f64));

@@ -10,10 +10,10 @@ use num_complex::Complex64;
 
 use super::lines::two_lines;
 use super::near::{self, Row};
-use super::{Becomes, Motion, SettleError, SettleSettings, Size, scene_of};
+use super::{Becomes, SettleError, SettleSettings, Size};
 use crate::chain;
-use crate::responses::Model;
-use crate::transient::{state_of, structure};
+use crate::motion::{Motion, scene_of, state_of};
+use crate::responses::{Model, structure};
 
 /// States of a period that are looked at.
 const STATES: usize = 16;
@@ -106,7 +106,8 @@ impl Search {
         let direction = self.structure.disturbance(&self.start)?;
         let state: Vec<f64> =
             self.start.state.iter().zip(direction).map(|(x, d)| x + settings.disturbance * d).collect();
-        let mut followed = Followed { flashes: Vec::new(), values: Vec::new(), largest: Vec::new(), tried: f64::INFINITY };
+        let mut followed =
+            Followed { flashes: Vec::new(), values: Vec::new(), largest: Vec::new(), tried: f64::INFINITY };
         let (mut count, mut found) = (0, None);
         self.structure.flash((self.level, self.omega), &state, STATES, &mut |x, observed| {
             count += 1;

@@ -7,7 +7,7 @@ use rand::rngs::Xoshiro256PlusPlus;
 use rand::{RngExt, SeedableRng};
 use rustfft::FftPlanner;
 
-use super::course::Cubics;
+use crate::course::Cubics;
 
 /// Instants in a period of the highest frequency: cubic pieces through values and rates are then right to 1e-6.
 const PER_PERIOD: f64 = 32.0;

@@ -1,15 +1,14 @@
 //! A structure with its loads, from a scene, ready to move.
 
-use nlmodes::linalg::Mat;
 use nlmodes::response::Weights;
 use nlmodes::timestep::{Blow, ForcedStructure, Signal};
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::outline::place_in_words;
 use nlmodes_scene::scene::{Course, LoadOn, Place, Transient};
 
-use super::course::{Cosine, chirp, half_sine};
 use super::{noise, table};
-use crate::responses::{Model, Reduced, base_force};
+use crate::course::{Cosine, chirp, half_sine};
+use crate::responses::{Model, Reduced, base_force, structure};
 use crate::{RunError, chain};
 
 /// A structure with its loads.
@@ -33,33 +32,6 @@ pub struct Observed {
     pub name: String,
     /// What static loads move there, m.
     pub moved: f64,
-}
-
-/// The structure of a model as the exact integration has it: modes, residual flexibility, stops.
-///
-/// # Errors
-/// [`RunError`] at the contacts.
-pub fn structure(file: &SceneFile, model: &Model) -> Result<ForcedStructure, RunError> {
-    let (open, of) = (model.open_modes(), model.response().structure());
-    let (m, c) = (open.n_modes(), open.n_contacts());
-    let failed = |error: &(dyn std::error::Error + 'static)| -> RunError {
-        file.error_at("contact", &chain(error), "here", &[]).into()
-    };
-    let damping = Mat::from_fn(m, m, |i, j| of.damping().entry(i, j));
-    let rows = Mat::from_fn(c, m, |i, k| of.rows()[(i, k)]);
-    let damped = |contact: usize| model.stop_dampers.iter().find(|(own, _)| *own == contact);
-    let own = |i: usize| if damped(i).is_some() { 0.0 } else { open.stop_compliance()[i] };
-    let compliance = Mat::from_fn(c, c, |i, j| open.flexibility()[(i, j)] + if i == j { own(i) } else { 0.0 });
-    let mut structure = ForcedStructure::new(&of.omega_squared()[..m], &damping, &rows, &compliance, of.gaps())
-        .map_err(|error| failed(&error))?;
-    for &(contact, damper) in &model.stop_dampers {
-        let stiffness = 1.0 / open.stop_compliance()[contact];
-        structure.push_damped_stop(contact, stiffness, damper).map_err(|error| failed(&error))?;
-    }
-    if !of.steady_force().is_empty() {
-        structure.set_steady_force(&of.steady_force()[..m]).map_err(|error| failed(&error))?;
-    }
-    Ok(structure)
 }
 
 impl Prepared {

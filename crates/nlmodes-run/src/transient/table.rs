@@ -5,8 +5,8 @@ use std::path::Path;
 
 use nlmodes_io::{Address, read_numbers};
 
-use super::course::Lines;
 use crate::chain;
+use crate::course::Lines;
 
 /// Endings of texts.
 const TEXTS: [&str; 5] = ["csv", "txt", "dat", "tsv", "asc"];
@@ -23,7 +23,8 @@ pub fn read(path: &Path, value: &str) -> Result<Lines, String> {
     let is_text = address.name.is_none() && TEXTS.contains(&ending.as_str());
     let (times, values) = match is_text.then(|| fs::read_to_string(&address.path)) {
         Some(Ok(text)) if has_names(&text) => named(&text, value).map_err(of)?,
-        _ => of_numbers(&address).map_err(|why| if why.contains(&*address.path.to_string_lossy()) { why } else { of(why) })?,
+        _ => of_numbers(&address)
+            .map_err(|why| if why.contains(&*address.path.to_string_lossy()) { why } else { of(why) })?,
     };
     if times.len() < 2 {
         return Err(of(format!("{} row; expected two or more", times.len())));
@@ -51,7 +52,9 @@ fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
 /// Whether the first line has names.
 fn has_names(text: &str) -> bool {
     let first = lines(text).next().map(|(_, line)| line);
-    first.is_some_and(|line| line.split([',', ';', '\t', ' ']).any(|field| field.trim().starts_with(|c: char| c.is_ascii_alphabetic())))
+    first.is_some_and(|line| {
+        line.split([',', ';', '\t', ' ']).any(|field| field.trim().starts_with(|c: char| c.is_ascii_alphabetic()))
+    })
 }
 
 /// The columns `time_s` and `value`.
@@ -69,7 +72,8 @@ fn named(text: &str, value: &str) -> Result<(Vec<f64>, Vec<f64>), String> {
         let read = |column: usize| {
             let field = fields.get(column).copied().unwrap_or_default();
             let number_there = field.parse::<f64>().ok().filter(|v| v.is_finite());
-            number_there.ok_or_else(|| format!("line {number}: `{field}` in column {}; expected a number", names[column]))
+            number_there
+                .ok_or_else(|| format!("line {number}: `{field}` in column {}; expected a number", names[column]))
         };
         times.push(read(columns[0])?);
         values.push(read(columns[1])?);

@@ -108,9 +108,14 @@ pub fn lines(content: &Content<'_>, histories: &Histories) -> Vec<String> {
     };
     let duration = number(content.transient.duration);
     let mut lines = vec![format!("{duration} s of motion in {modes} modes, {rate} samples a second; {touches}")];
-    lines.extend(content.prepared.observed.iter().zip(&histories.extremes).map(|(of, [most, least])| {
-        format!("{}: from {} to {} m", of.name, short(*least), short(*most))
-    }));
+    lines.extend(
+        content
+            .prepared
+            .observed
+            .iter()
+            .zip(&histories.extremes)
+            .map(|(of, [most, least])| format!("{}: from {} to {} m", of.name, short(*least), short(*most))),
+    );
     let peaks = histories.peak_force.iter().enumerate().filter(|(_, peak)| **peak > 0.0);
     lines.extend(peaks.map(|(i, peak)| format!("contact {i}: up to {} N", short(*peak))));
     lines
@@ -124,9 +129,8 @@ fn summary(content: &Content<'_>, histories: &Histories, ended: Option<&str>, ti
     let open = content.model.open_modes().omega_squared();
     let frequencies: Vec<f64> = open.iter().map(|w| hertz(w.max(0.0).sqrt())).collect();
     let places = content.prepared.observed.iter().zip(&histories.extremes);
-    let places: Vec<Value> = places
-        .map(|(of, [most, least])| json!({ "place": of.name, "largest_m": most, "smallest_m": least }))
-        .collect();
+    let places: Vec<Value> =
+        places.map(|(of, [most, least])| json!({ "place": of.name, "largest_m": most, "smallest_m": least })).collect();
     let contacts: Vec<Value> = (0..histories.peak_force.len()).map(|i| contact(content, histories, i)).collect();
     json!({
         "program": "nlmodes-cli",

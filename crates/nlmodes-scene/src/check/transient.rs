@@ -159,6 +159,14 @@ fn course(
     .into_iter()
     .filter_map(|(key, there)| there.then_some(key))
     .collect();
+    if given.is_empty() {
+        let whole = path("");
+        let whole = whole.trim_end_matches('.');
+        let diagnostic = Diagnostic::error(format!("`{whole}` has no course in time"));
+        let expected = "expected one of `sine`, `chirp`, `table`, `noise`, `half_sine` and `impact` in this table";
+        diagnostics.put(whole, diagnostic, expected);
+        return None;
+    }
     if let [first, second, ..] = given[..] {
         let diagnostic = Diagnostic::error(format!("a load with two courses in time, `{first}` and `{second}`"));
         diagnostics.put(&path(second), diagnostic.help("two loads at one place add"), "expected one of them");

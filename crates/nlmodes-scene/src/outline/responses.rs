@@ -2,7 +2,9 @@
 
 use super::{Row, list, row};
 use crate::number;
-use crate::scene::{BaseDirection, Damping, Dashpot, ModeDamping, Place, Response, ResponseKind, Scene, StopOfBase, Structure};
+use crate::scene::{
+    BaseDirection, Damping, Dashpot, ModeDamping, Place, Response, ResponseKind, Scene, StopOfBase, Structure,
+};
 
 /// Rows about damping, loads and responses; none for a scene without responses.
 pub fn rows(scene: &Scene) -> Vec<Row> {

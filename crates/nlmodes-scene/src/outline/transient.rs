@@ -23,7 +23,9 @@ pub fn rows(scene: &Scene) -> Vec<Row> {
 fn load(load: &TransientLoad, several: bool) -> String {
     let (at, unit) = match &load.on {
         LoadOn::Force(at) => (place(at, several), "N"),
-        LoadOn::Base(BaseDirection::Along(direction)) => (format!("the base in {} direction", direction.name()), "m/s²"),
+        LoadOn::Base(BaseDirection::Along(direction)) => {
+            (format!("the base in {} direction", direction.name()), "m/s²")
+        }
         LoadOn::Base(BaseDirection::Vector(v)) => (format!("the base along [{}]", list(v)), "m/s²"),
     };
     let course = match &load.course {

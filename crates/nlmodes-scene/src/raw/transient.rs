@@ -80,7 +80,6 @@ fn start(_: &mut SchemaGenerator) -> Schema {
 
 /// A load: a force at a place or the acceleration of the base, and its course in time.
 #[derive(Debug, Deserialize, JsonSchema)]
-#[schemars(extend("oneRequired" = ["sine", "chirp", "table", "noise", "half_sine", "impact"]))]
 pub struct RawTransientLoad {
     /// Where and in which direction it acts; of a base the direction alone
     #[serde(flatten)]

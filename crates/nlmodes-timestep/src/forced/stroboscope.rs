@@ -1,9 +1,9 @@
 use std::f64::consts::TAU;
 
+use super::ForcedMotion;
 use super::ForcedStructure;
 use super::input::fits;
 use super::trajectory::{Propagator, transition};
-use super::ForcedMotion;
 use crate::TimestepError;
 use crate::phase::{dot, product};
 
@@ -37,8 +37,7 @@ impl ForcedStructure {
             for k in 1..=n {
                 let until = TAU / omega * k as f64 / n as f64;
                 while propagator.advance(&mut running, until)?.is_some() {}
-                let observed: Vec<f64> =
-                    running.flow.observed.iter().map(|row| dot(row.row(), &running.w)).collect();
+                let observed: Vec<f64> = running.flow.observed.iter().map(|row| dot(row.row(), &running.w)).collect();
                 if !goes_on(&self.in_units(&running.w[..self.n_states()], self.rate()), &observed) {
                     return Ok(());
                 }

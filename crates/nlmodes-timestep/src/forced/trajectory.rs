@@ -120,7 +120,11 @@ impl<'a> Propagator<'a> {
                 let (from, w) = (running.t, std::mem::replace(&mut running.w, next));
                 running.ahead = ahead;
                 running.idle = 0;
-                if is_last { running.arrive(until) } else { running.go(length) }
+                if is_last {
+                    running.arrive(until)
+                } else {
+                    running.go(length)
+                }
                 return Ok(Some(Piece { from, length, flow, w }));
             };
             let (from, at) = (running.t, flow.after(&running.w, gone));

@@ -3,9 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use nlmodes_linalg::Mat;
-use nlmodes_timestep::{
-    Blow, DEGREE, ForcedStructure, Signal, SignalPiece, TimestepError, Touch, TransientSettings,
-};
+use nlmodes_timestep::{Blow, DEGREE, ForcedStructure, Signal, SignalPiece, TimestepError, Touch, TransientSettings};
 use num_complex::Complex64;
 
 /// `a cos(ω t + phase)` in pieces of a twentieth of a radian: what a Taylor polynomial leaves over is 1e-15.
@@ -266,7 +264,8 @@ fn rates(x: &[f64; 6], load: f64, damping: f64) -> [f64; 6] {
 fn touches_under_lines_are_those_of_an_integration_by_small_steps() {
     let mut structure = three_modes(0.02);
     structure.push_input(&[1.0, 0.3, -0.2], &[0.0, 0.0]).unwrap();
-    let points: Vec<(f64, f64)> = (0..=40).map(|k| (0.5 * f64::from(k), [0.0, 5.3, -3.9, 1.4][k as usize % 4])).collect();
+    let points: Vec<(f64, f64)> =
+        (0..=40).map(|k| (0.5 * f64::from(k), [0.0, 5.3, -3.9, 1.4][k as usize % 4])).collect();
     let lines = Lines(points.clone());
     let (end, touches) = moved(&structure, &[0.0; 6], 20.0, &[&lines], &[]);
     assert!(touches.len() > 5, "{}", touches.len());
@@ -362,5 +361,8 @@ fn what_does_not_fit_is_refused() {
     let settings = TransientSettings { duration: 1.0, signals: &signals, blows: &[] };
     let ended = structure.transient(&[0.0; 6], &settings, &mut |_, _| false, &mut |_| {}).unwrap_err();
     assert_eq!(ended, TimestepError::Ended);
-    assert!(structure.push_input(&[1.0], &[0.0, 0.0]).is_err() && structure.push_observed(&[1.0; 3], &[0.0], &[0.0]).is_err());
+    assert!(
+        structure.push_input(&[1.0], &[0.0, 0.0]).is_err()
+            && structure.push_observed(&[1.0; 3], &[0.0], &[0.0]).is_err()
+    );
 }
