@@ -183,7 +183,7 @@ fn behind_a_period_doubling_of_an_elastic_stop_the_motion_has_two_periods_and_be
     }
     assert!(periods.len() > 1 && periods.iter().all(|p| *p == 2), "{periods:?}");
     // A pair of multipliers has left the unit circle: the beat is the turn of that pair, in periods of the load.
-    let torus = |p: &&Point| p.level > 1.0 && (0.1455..0.1468).contains(&p.hz) && p.multiplier > 1.003;
+    let torus = |p: &&Point| p.level > 1.0 && (0.1440..0.1464).contains(&p.hz) && p.multiplier > 1.003;
     let point = all.iter().rfind(torus).ok_or("no point behind a torus")?;
     let found = settled(folder.path(), &point.number)?;
     assert_eq!(found["kind"], "two-lines", "{found}");
