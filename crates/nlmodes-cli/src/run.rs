@@ -80,7 +80,7 @@ fn transient(file: &SceneFile, options: RunOptions) -> Status {
     if !options.quiet {
         print(&outcome.lines.join("\n"));
     }
-    written(&file.scene.output_directory, options);
+    _ = told::written(&file.scene.output_directory, file.scene.files.page, options.quiet);
     if outcome.is_complete() { Status::Done } else { Status::EndedEarly }
 }
 
