@@ -4,8 +4,8 @@ use std::f64::consts::{PI, TAU};
 
 use nlmodes::timestep::{DEGREE, Signal, SignalPiece};
 
-/// Radians of a cosine in a piece: about its middle the remainder of its Taylor polynomial is below `0.05⁸ / 8! = 1e-15`.
-const PIECE: f64 = 0.1;
+/// Radians of a cosine in a piece: about its middle the remainder of its Taylor polynomial is `0.25¹² / 12! = 1e-16`.
+const PIECE: f64 = 0.5;
 
 /// `amplitude cos(phase + ω t + ½ rate t²)` from `start` to `end`, with t counted from the start; zero elsewhere.
 pub struct Cosine {
@@ -40,7 +40,8 @@ impl Signal for Cosine {
         }
         let t = from - self.start;
         let fastest = (self.omega + self.rate * t).abs().max((self.rate.abs() * PIECE).sqrt());
-        let until = (from + PIECE / fastest).min(self.end);
+        let own = from + PIECE / fastest;
+        let (until, continues) = if own < self.end { (own, true) } else { (self.end, false) };
         let half = 0.5 * (until - from);
         let middle = t + half;
         let phase = self.phase + middle * (self.omega + 0.5 * self.rate * middle);
@@ -48,7 +49,7 @@ impl Signal for Cosine {
         let mut taylor = taylor(self.omega + self.rate * middle, self.rate, [cos, sin]);
         taylor.iter_mut().for_each(|c| *c *= self.amplitude);
         shift(&mut taylor, -half);
-        SignalPiece { coefficients: taylor, until }
+        SignalPiece { coefficients: taylor, until, continues }
     }
 }
 

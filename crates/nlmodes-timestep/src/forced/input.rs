@@ -2,11 +2,12 @@ use super::ForcedStructure;
 use crate::TimestepError;
 
 /// Degree of the polynomials by which loads are given piece by piece.
-pub const DEGREE: usize = 7;
+pub const DEGREE: usize = 11;
 
 /// A load in time, in pieces: over each it is a polynomial.
 pub trait Signal: Send + Sync {
-    /// The piece that begins at an instant (s), which is the end of the piece before or the beginning of the motion.
+    /// The piece that begins at an instant (s): the end of the piece before, the beginning of the motion, or any instant
+    /// within a piece that continues.
     fn piece(&self, from: f64) -> SignalPiece;
 }
 
@@ -17,6 +18,9 @@ pub struct SignalPiece {
     pub coefficients: [f64; DEGREE + 1],
     /// Its end, s; infinite for what does not change any more.
     pub until: f64,
+    /// Whether the next piece goes on where this one ends with all its derivatives: it may then be taken earlier, so that
+    /// no step ends there.
+    pub continues: bool,
 }
 
 impl SignalPiece {
@@ -24,7 +28,7 @@ impl SignalPiece {
     pub fn constant(value: f64, until: f64) -> Self {
         let mut coefficients = [0.0; DEGREE + 1];
         coefficients[0] = value;
-        Self { coefficients, until }
+        Self { coefficients, until, continues: false }
     }
 }
 

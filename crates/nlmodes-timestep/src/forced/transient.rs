@@ -199,16 +199,18 @@ impl ForcedStructure {
         let n = self.n_contacts();
         let mut touches = Touches { current: vec![None; n], approach: vec![0.0; n] };
         while running.t < duration {
+            driven.go_on_early(&mut running);
             let until = driven.until().min(duration);
-            while let Some(piece) = propagator.advance(&mut running, until)? {
-                let switched = piece.flow.closed != running.flow.closed;
-                let stretch = Stretch { piece: &piece };
-                touches.take(&stretch, switched, touched);
-                if !observe(&stretch, switched) {
-                    return Err(TimestepError::Ended);
-                }
+            let Some(piece) = propagator.advance(&mut running, until)? else {
+                driven.go_on(&mut running);
+                continue;
+            };
+            let switched = piece.flow.closed != running.flow.closed;
+            let stretch = Stretch { piece: &piece };
+            touches.take(&stretch, switched, touched);
+            if !observe(&stretch, switched) {
+                return Err(TimestepError::Ended);
             }
-            driven.go_on(&mut running);
         }
         touches.current.into_iter().flatten().for_each(touched);
         running.w.truncate(self.n_states());
@@ -232,8 +234,10 @@ impl ForcedStructure {
 struct Driven<'a> {
     structure: &'a ForcedStructure,
     signals: &'a [&'a dyn Signal],
-    /// Ends of their present pieces, s.
-    ends: Vec<f64>,
+    /// Ends of their present pieces (s), and whether these continue.
+    ends: Vec<(f64, bool)>,
+    /// The first end of one that continues, s.
+    soonest: f64,
     /// Blows to come, the next one last.
     blows: Vec<&'a Blow>,
 }
@@ -242,12 +246,19 @@ impl<'a> Driven<'a> {
     fn new(structure: &'a ForcedStructure, settings: &TransientSettings<'a>) -> Self {
         let mut blows: Vec<&Blow> = settings.blows.iter().collect();
         blows.sort_by(|a, b| b.instant.total_cmp(&a.instant));
-        Self { structure, signals: settings.signals, ends: vec![0.0; settings.signals.len()], blows }
+        Self {
+            structure,
+            signals: settings.signals,
+            ends: vec![(0.0, false); settings.signals.len()],
+            soonest: f64::INFINITY,
+            blows,
+        }
     }
 
     /// Up to when nothing changes.
     fn until(&self) -> f64 {
-        self.ends.iter().copied().chain(self.blows.last().map(|blow| blow.instant)).fold(f64::INFINITY, f64::min)
+        let ends = self.ends.iter().map(|(end, _)| *end);
+        ends.chain(self.blows.last().map(|blow| blow.instant)).fold(f64::INFINITY, f64::min)
     }
 
     /// Takes the next pieces, and strikes.
@@ -256,10 +267,30 @@ impl<'a> Driven<'a> {
         running.look_ahead();
     }
 
+    /// Takes the next pieces of those that continue and end within the step ahead.
+    fn go_on_early(&mut self, running: &mut Running) {
+        let ahead = running.t + running.flow.step;
+        if self.soonest <= ahead {
+            self.take(running.t, |(end, continues)| continues && end <= ahead, &mut running.w);
+            running.look_ahead();
+        }
+    }
+
     fn renew(&mut self, t: f64, w: &mut [f64]) {
+        self.take(t, |(end, _)| end <= t, w);
         let (m, rate) = (self.structure.n_modes(), self.structure.rate());
-        for (j, (signal, end)) in self.signals.iter().zip(&mut self.ends).enumerate().filter(|(_, (_, end))| **end <= t)
-        {
+        while let Some(blow) = self.blows.pop_if(|blow| blow.instant <= t) {
+            w[m..2 * m].iter_mut().zip(&blow.modal).for_each(|(v, p)| *v += p / rate);
+        }
+    }
+
+    /// Takes the pieces from an instant on of the loads whose ends are such.
+    fn take(&mut self, t: f64, is_due: impl Fn((f64, bool)) -> bool, w: &mut [f64]) {
+        let rate = self.structure.rate();
+        for (j, (signal, end)) in self.signals.iter().zip(&mut self.ends).enumerate() {
+            if !is_due(*end) {
+                continue;
+            }
             let piece = signal.piece(t);
             let first = self.structure.first_of_input(j);
             let mut scale = 1.0;
@@ -267,11 +298,10 @@ impl<'a> Driven<'a> {
                 *c = u * scale;
                 scale /= rate;
             }
-            *end = piece.until;
+            *end = (piece.until, piece.continues);
         }
-        while let Some(blow) = self.blows.pop_if(|blow| blow.instant <= t) {
-            w[m..2 * m].iter_mut().zip(&blow.modal).for_each(|(v, p)| *v += p / rate);
-        }
+        let continuing = self.ends.iter().filter(|(_, continues)| *continues);
+        self.soonest = continuing.fold(f64::INFINITY, |soonest, (end, _)| soonest.min(*end));
     }
 }
 

@@ -18,7 +18,7 @@ impl Signal for Turning {
             *c = factor * (omega * from + phase + 0.5 * PI * k as f64).cos();
             factor *= omega / (k + 1) as f64;
         }
-        SignalPiece { coefficients, until: from + 0.05 / omega }
+        SignalPiece { coefficients, until: from + 0.05 / omega, continues: true }
     }
 }
 
