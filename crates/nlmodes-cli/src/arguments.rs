@@ -13,7 +13,7 @@ use crate::explore;
 #[cfg(feature = "print")]
 use crate::figures;
 use crate::options::RunOptions;
-use crate::{at, compare, lcp, new, study, verify};
+use crate::{at, compare, lcp, new, settle, study, verify};
 
 /// Nonlinear modes of structures with one-sided contact
 ///
@@ -128,6 +128,17 @@ Example:
 
 Exit status 1 where the motion cannot be integrated, 2 where the directory holds no such point.")]
     Verify(verify::Arguments),
+    /// Say what the motion of a forced response becomes once it is disturbed: periodic, two lines, irregular, or another
+    #[command(after_help = "\
+Example:
+  nlmodes-cli run configs/beam_responses.toml
+  nlmodes-cli settle results/beam_responses --point 60
+
+The motion is disturbed along the vector of its largest multiplier and integrated exactly. What it becomes also stands \
+    in settled.json beside the results.
+
+Exit status 1 where the motion cannot be integrated, 2 where the directory holds no such point.")]
+    Settle(settle::Arguments),
     /// Read and check a scene, and print what would be computed; computes only linear modes and writes nothing
     #[command(after_help = "Example:\n  nlmodes-cli check configs/rod.toml --set method.switching=sampled")]
     Check {

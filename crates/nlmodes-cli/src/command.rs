@@ -19,7 +19,7 @@ use crate::figures;
 use crate::observer::TerminalObserver;
 use crate::options::RunOptions;
 use crate::terminal::{print, refuse, refuse_run, wants_colours};
-use crate::{Status, at, compare, extract, lcp, modes, new, run, study, verify};
+use crate::{Status, at, compare, extract, lcp, modes, new, run, settle, study, verify};
 
 /// Parses the command line and executes it. Wrong calls end here with status 2.
 pub fn run() -> Status {
@@ -36,6 +36,7 @@ pub fn run() -> Status {
         Command::Study(command) => study::run(&command),
         Command::At(arguments) => at::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
+        Command::Settle(arguments) => settle::run(&arguments),
         Command::Modes { mut scene, count } => {
             scene.overrides.extend(count.map(|count| format!("reduction.modes={count}")));
             with_structure(&scene, |file| with_parameters(file, modes::run))

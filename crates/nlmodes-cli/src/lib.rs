@@ -31,6 +31,7 @@ mod observer;
 mod options;
 mod progress;
 mod run;
+mod settle;
 mod status;
 mod study;
 mod terminal;

@@ -14,6 +14,9 @@ use crate::{Status, interrupt, told};
 pub fn run(scene: AnyScene, options: RunOptions) -> Status {
     interrupt::install();
     match scene {
+        AnyScene::Structure(files) if files.iter().any(|file| file.scene.transient.is_some()) => {
+            one_method(&files).map_or_else(|error| refuse_run(&error), |file| transient(file, options))
+        }
         AnyScene::Structure(files) if files.iter().any(|file| !file.scene.responses.is_empty()) => {
             one_method(&files).map_or_else(|error| refuse_run(&error), |file| responses(file, options))
         }
@@ -60,6 +63,22 @@ fn responses(file: &SceneFile, options: RunOptions) -> Status {
             print(&format!("and {} more levels, in summary.json", outcome.levels.len() - LEVELS));
         }
         print(outcome.certificate.text("").trim_end());
+    }
+    _ = told::written(&file.scene.output_directory, file.scene.files.page, options.quiet);
+    if outcome.is_complete() { Status::Done } else { Status::EndedEarly }
+}
+
+fn transient(file: &SceneFile, options: RunOptions) -> Status {
+    let outcome = match nlmodes_run::transient::run(file, options.over(), &mut TerminalObserver::new(options)) {
+        Ok(outcome) => outcome,
+        Err(error) => return refuse_run(&error),
+    };
+    failed(outcome.failure.as_ref());
+    if let Some(ended) = &outcome.ended {
+        say!("{ended}; what was computed until then is written");
+    }
+    if !options.quiet {
+        print(&outcome.lines.join("\n"));
     }
     _ = told::written(&file.scene.output_directory, file.scene.files.page, options.quiet);
     if outcome.is_complete() { Status::Done } else { Status::EndedEarly }

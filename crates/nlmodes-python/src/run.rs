@@ -99,6 +99,12 @@ pub fn run(
 
 fn compute(scene: AnyScene, over: Over, onlooker: &mut Onlooker) -> Result<Done, RunError> {
     match scene {
+        AnyScene::Structure(files) if files.iter().any(|file| file.scene.transient.is_some()) => {
+            let file = nlmodes_run::responses::one_method(&files)?;
+            let outcome = nlmodes_run::transient::run(file, over, onlooker)?;
+            let failure = outcome.failure.iter().map(|failure| chain(failure.as_ref()));
+            Ok(Done { kind: "transient", wrong: outcome.ended.iter().cloned().chain(failure).collect(), run: None })
+        }
         AnyScene::Structure(files) if files.iter().any(|file| !file.scene.responses.is_empty()) => {
             let file = nlmodes_run::responses::one_method(&files)?;
             let outcome = nlmodes_run::responses::run(file, over, onlooker)?;

@@ -8,12 +8,14 @@ mod files;
 mod points;
 mod records;
 mod row;
+mod transient;
 
 pub use differences::{DifferenceRow, ResponseDifferenceRow, StopDifferenceRow};
 pub use files::FILES;
 pub use points::{AppropriationRow, BranchRow, ContactRow, ParticipationRow, ResponseOf, ResponseRow};
 pub use records::ModalPointRow;
 pub use row::{Cell, Cells, Known, Numbered, Row, Sometimes};
+pub use transient::TouchRow;
 
 /// A column of a table, an array of an archive, or a variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

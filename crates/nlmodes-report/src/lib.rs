@@ -101,6 +101,7 @@ pub use output::write_file;
 pub use stop::StopLine;
 pub use style::FigureStyle;
 pub use table::{
-    BranchWriter, PointHistories, hertz, write_branch, write_contacts, write_harmonics, write_histories, write_matlab,
-    write_participation, write_rows, write_rows_to, write_starts, write_summary,
+    BranchWriter, PointHistories, TransientHistories, hertz, write_branch, write_contacts, write_harmonics,
+    write_histories, write_matlab, write_participation, write_rows, write_rows_to, write_starts, write_summary,
+    write_transient,
 };

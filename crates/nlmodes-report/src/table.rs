@@ -12,6 +12,7 @@ mod participation;
 mod rows;
 mod starts;
 mod summary;
+mod transient;
 
 pub use branch::{BranchWriter, write_branch};
 pub use contacts::write_contacts;
@@ -23,3 +24,4 @@ pub use participation::write_participation;
 pub use rows::{write_rows, write_rows_to};
 pub use starts::{START_ARRAYS, write_starts};
 pub use summary::write_summary;
+pub use transient::{TRANSIENT_ARRAYS, TransientHistories, write_transient};

@@ -359,7 +359,8 @@ impl ResponseModel {
         self.drive.as_ref()
     }
 
-    pub(crate) fn terms(&self) -> &[LoadTerm] {
+    /// The terms of the load of level one.
+    pub fn terms(&self) -> &[LoadTerm] {
         &self.terms
     }
 

@@ -62,6 +62,7 @@ pub fn run_sharing(
     structures: &Structures,
 ) -> Result<RunOutcome, RunError> {
     for file in &scenes {
+        refusal::unless_in_time(file)?;
         if file.scene.n_contact_tables() == 0 {
             return Err(no_contact(file).into());
         }
@@ -232,6 +233,9 @@ fn stressed(
 pub(crate) fn check(file: &SceneFile, observer: &mut dyn Observer) -> Result<Checked, RunError> {
     if !file.scene.responses.is_empty() {
         return crate::responses::check(file, observer);
+    }
+    if file.scene.transient.is_some() {
+        return crate::transient::check(file, observer);
     }
     overlay::laid_over(file, &file.scene.overlays, observer)?;
     let Models { massless, open, state, .. } = models(file)?;

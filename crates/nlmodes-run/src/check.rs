@@ -32,7 +32,7 @@ impl Observer for Warned<'_> {
 /// # Errors
 /// [`RunError`] with the reason if no run can start.
 pub fn check(file: &SceneFile, observer: &mut dyn Observer) -> Result<Outline, RunError> {
-    if file.scene.is_linear() {
+    if file.scene.is_linear() && file.scene.transient.is_none() {
         return Err(no_contact(file).into());
     }
     let (updated, mut told) = (updated(file.clone())?, Warned::of(file, observer));

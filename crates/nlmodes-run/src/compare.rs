@@ -34,6 +34,7 @@ pub fn rows(file: &SceneFile, solvers: &[String]) -> Result<Vec<Row>, RunError> 
         let help = "`run --set method.contact_solver=NAME` computes responses with another solver";
         return Err(file.error_at("response", title, "expected a scene without [[response]]", &[help]).into());
     }
+    refusal::unless_in_time(file)?;
     let model = models(file)?.massless;
     let mut reference: Option<ComputedBranch> = None;
     let mut rows = Vec::new();

@@ -103,6 +103,7 @@ pub use page::Page;
 /// # Errors
 /// [`RunError`] if there is no branch, [`RunError::Ended`] if it was asked to end.
 pub fn picture(file: &SceneFile, watch: Watch, structures: &Structures) -> Result<String, RunError> {
+    crate::refusal::unless_in_time(file)?;
     if !file.scene.responses.is_empty() {
         return crate::responses::picture(file, &watch, structures);
     }

@@ -26,6 +26,9 @@ const RESPONSE_FIGURES: [&str; 7] = [
     "force_needed.svg",
 ];
 
+/// Figures of motions in time.
+const TRANSIENT_FIGURES: [&str; 2] = ["envelope.svg", "spectrum.svg"];
+
 /// A figure, and its conversions.
 const FIGURE_ENDINGS: [&str; 3] = [".svg", ".pdf", ".png"];
 
@@ -35,8 +38,18 @@ pub const HISTORIES: usize = 20;
 /// Removes what a run writes at its end, which would not belong to the points of another one.
 pub fn remove_ends(directory: &Path) {
     remove_figures(directory);
-    let ends =
-        ["summary.json", "harmonics.npz", "contacts.csv", "histories.npz", "results.mat", STARTS, crate::forces::FILE];
+    let ends = [
+        "summary.json",
+        "harmonics.npz",
+        "contacts.csv",
+        "histories.npz",
+        "results.mat",
+        "transient.npz",
+        "touches.csv",
+        "settled.json",
+        STARTS,
+        crate::forces::FILE,
+    ];
     remove_all(directory, &ends);
 }
 
@@ -57,6 +70,7 @@ pub fn remove_figures(directory: &Path) {
     ];
     remove_all(directory, &common);
     remove_all(directory, &RESPONSE_FIGURES);
+    remove_all(directory, &TRANSIENT_FIGURES);
     remove_where(directory, |name| {
         name.starts_with("history_P") && FIGURE_ENDINGS.iter().any(|ending| name.ends_with(ending))
     });

@@ -8,6 +8,8 @@
 //! | [`run`](branches::run()) | the branches of a scene, of each of its methods and numbers of harmonics |
 //! | [`check`], [`check_records`], [`check_test`] | whether it can start, and what it would compute |
 //! | [`responses::run`] | damped and forced motions: response curves, phase resonance, damped modes |
+//! | [`transient::run`] | a motion in time under any loads |
+//! | [`settle::settle`] | what the motion of a response's point becomes once it is disturbed |
 //! | [`records::extract`] | measured records to modal points |
 //! | [`virtual_test::run`] | a rig with its loop, level by level |
 //! | [`compare::rows`] | the same branch with several contact solvers |
@@ -63,6 +65,7 @@ mod character;
 mod check;
 mod claim;
 pub mod compare;
+mod course;
 mod curve;
 mod doubts;
 mod error;
@@ -74,6 +77,7 @@ pub mod lcp;
 pub mod linear;
 mod links;
 pub mod mass;
+mod motion;
 mod observer;
 pub mod open_modes;
 mod outcome;
@@ -88,9 +92,11 @@ pub mod redrawn;
 mod refusal;
 pub mod responses;
 mod settings;
+pub mod settle;
 mod sheet;
 mod sliding;
 mod style;
+pub mod transient;
 pub mod updating;
 pub mod verify;
 pub mod virtual_test;

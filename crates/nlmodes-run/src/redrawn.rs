@@ -92,6 +92,10 @@ pub fn redraw(results: &Path, into: &Path, width_mm: Option<f64>, titled: bool) 
         let outcome = responses::run(&files.swap_remove(0), Over::Anything, &mut Repeating::default())?;
         return outcome.failure.map_or(Ok(()), |failure| Err(RunError::Files(failure).into()));
     }
+    if files.len() == 1 && files[0].scene.transient.is_some() {
+        let outcome = crate::transient::run(&files.swap_remove(0), Over::Anything, &mut Repeating::default())?;
+        return outcome.failure.map_or(Ok(()), |failure| Err(RunError::Files(failure).into()));
+    }
     copy_steps(results, into, DEPTH)?;
     let mut repeating = Repeating::default();
     let done = branches::run(files, Over::Resumed, &mut repeating);

@@ -230,6 +230,19 @@ pub fn at<S>(file: &SceneFile<S>, path: &str, error: &(dyn Error + 'static)) -> 
     file.error_at(path, &chain(error), "", &[]).into()
 }
 
+/// A scene of a motion in time has no branch.
+///
+/// # Errors
+/// [`RunError`] at its table.
+pub fn unless_in_time(file: &SceneFile) -> Result<(), RunError> {
+    if file.scene.transient.is_none() {
+        return Ok(());
+    }
+    let title = "the scene asks for a motion in time, which has no branch";
+    let help = "`nlmodes-cli run` computes it";
+    Err(file.error_at("transient", title, "expected a scene without [transient] here", &[help]).into())
+}
+
 /// A scene without a stop, of which no nonlinear mode can be computed.
 pub fn no_contact(file: &SceneFile) -> SceneError {
     let help =

@@ -4,6 +4,7 @@ mod certified;
 mod convert;
 mod curves;
 mod damping;
+mod exact;
 mod figures;
 mod laws;
 mod levels;
@@ -13,6 +14,7 @@ mod page;
 mod picture;
 mod structure;
 mod summary;
+mod sweeps;
 mod tables;
 mod viewed;
 
@@ -39,10 +41,13 @@ use crate::updating::updated;
 use crate::{Event, Failure, Observer, Over, RunError, links, no_contact};
 pub use curves::ComputedResponse;
 use curves::{Job, detached, follow, jobs};
+pub(crate) use exact::structure;
 pub use levels::Level;
-use model::Model;
+pub(crate) use model::Model;
 use overlaid::Beside;
 pub(crate) use picture::picture;
+pub(crate) use structure::{Reduced, base_force};
+use sweeps::Sweep;
 use viewed::viewed;
 
 /// What came out of the responses of a scene.
@@ -121,8 +126,9 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
     let mut following = Following { scene, model: &model, claim: &claim, journal, observer, curves, stress, failed };
     let not_begun = following.all()?;
     let Following { observer, curves, failed, .. } = following;
+    let sweeps = if not_begun.is_some() { Vec::new() } else { sweeps::all(&file, &model, observer)? };
     let certificate = certified::certificate(&file.scene, &model, &curves);
-    let levels = levels::all(&curves);
+    let levels = levels::all(&curves, &sweeps);
     let beside = |curve: &LaidCurve| (curve.clone(), overlaid::beside(curve, &curves));
     let compared: Vec<(LaidCurve, Vec<Beside>)> = laid.iter().map(beside).collect();
     let left_out = compared.iter().filter_map(|(curve, found)| overlaid::left_out(curve, found));
@@ -134,7 +140,7 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
     warning.iter().for_each(|text| observer.event(Event::Warning(text)));
     let written = |period: Option<Period>| {
         let said = (&certificate, levels.as_slice());
-        files(&file.scene, &model, (&curves, &laid), (&compared, period.as_ref()), said, began)
+        files(&file.scene, &model, (&curves, &laid, &sweeps), (&compared, period.as_ref()), said, began)
     };
     let failure = period.and_then(written).err().or(failed);
     Ok(ResponsesOutcome {
@@ -277,7 +283,7 @@ const MOST_DETACHED: usize = 20;
 fn files(
     scene: &Scene,
     model: &Model,
-    (curves, laid): (&[ComputedResponse], &[LaidCurve]),
+    (curves, laid, sweeps): (&[ComputedResponse], &[LaidCurve], &[Sweep]),
     (compared, period): (&[(LaidCurve, Vec<Beside>)], Option<&Period>),
     (certificate, levels): (&Certificate, &[Level]),
     began: Instant,
@@ -292,9 +298,11 @@ fn files(
     if let Some(period) = period {
         period.write(scene)?;
     }
-    summary::write(directory, (scene, model), (curves, certificate, levels), period, began)?;
+    let said = (certificate, levels);
+    summary::write(directory, (scene, model), (curves, sweeps), said, period, began)?;
     let Some(first) = each.first().filter(|_| scene.files.figures || scene.files.page) else { return Ok(()) };
-    let (figures, references) = (figures::all(scene, model, (curves, laid))?, histories::own_references(*first)?);
+    let (figures, references) =
+        (figures::all(scene, model, (curves, laid), sweeps)?, histories::own_references(*first)?);
     if scene.files.figures {
         let style = style_of(&scene.files);
         figures.iter().try_for_each(|(name, _, figure)| figure.styled(&style).write(directory.join(name)))?;

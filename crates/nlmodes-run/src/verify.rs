@@ -1,7 +1,7 @@
 //! One period of the full, unfiltered structure from a computed point.
 
 mod error;
-mod results;
+pub(crate) mod results;
 mod text;
 
 use std::f64::consts::TAU;

@@ -18,6 +18,7 @@ mod shooting;
 mod springs;
 mod static_loads;
 mod structure;
+mod transient;
 mod updating;
 mod virtual_test;
 
@@ -157,8 +158,9 @@ fn rest(
         }
     }
     let reduction = reduction::check(raw, (default, &subject.places), diagnostics);
-    let has_responses = raw.has_responses();
-    let ends_elsewhere = raw.response.as_ref().is_some_and(|responses| !responses.is_empty());
+    let has_responses = raw.has_responses() || raw.transient.is_some();
+    let has_curves = raw.response.as_ref().is_some_and(|responses| !responses.is_empty());
+    let ends_elsewhere = has_curves || raw.transient.is_some();
     continuation::check(&raw.continuation, ends_elsewhere, raw.has_laws(), diagnostics);
     let uniform = structure.as_ref().is_none_or(|s| s.straight().is_some_and(|s| s.segments.is_empty()));
     let updating = raw.updating.as_ref().map(|written| updating::checked(written, uniform, diagnostics));
@@ -166,6 +168,7 @@ fn rest(
     let static_loads = static_loads::check(raw, base, &subject.places, diagnostics);
     let springs = springs::check(raw, base, &subject.places, diagnostics);
     let of_responses = response::check(raw, &subject.places, method.as_ref(), diagnostics);
+    let transient = transient::check(raw, base, &subject.places, diagnostics);
     let output = raw.output.clone().unwrap_or_default();
     Some(Scene {
         title: raw.title.clone().unwrap_or_else(|| stem.to_owned()),
@@ -179,6 +182,7 @@ fn rest(
         forces: of_responses.forces,
         base_motion: of_responses.base_motion,
         responses: of_responses.responses,
+        transient,
         method: method?,
         continuation: raw.continuation.clone(),
         output_directory: output_directory(output.directory.as_ref(), stem),

@@ -9,12 +9,14 @@ mod springs;
 mod static_loads;
 mod structure;
 mod test;
+mod transient;
 
 use std::fmt;
 
 use crate::assemble::{OpenStructure, StaticState};
 use crate::number;
 use crate::scene::{RecordScene, Scene, TestScene};
+pub use responses::place as place_in_words;
 
 /// What a scene would compute. Its [`Display`](fmt::Display) is the text of `nlmodes-cli check`.
 #[derive(Debug, Clone, PartialEq, Eq)]

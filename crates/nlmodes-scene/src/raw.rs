@@ -13,6 +13,7 @@ mod response;
 mod springs;
 mod static_loads;
 mod structure;
+mod transient;
 mod virtual_test;
 
 pub use matrices::{NameOrNumbers, NumberOrName, RawMatrices, RawMatrixScene, RawNodeContact, RawNormal};
@@ -26,6 +27,7 @@ pub use response::{
 pub use springs::{RawLaw, RawLawSpring};
 pub use static_loads::{RawGravity, RawStaticDisplacement, RawStaticForce, RawThermal};
 pub use structure::{RawMaterial, RawSection, RawStructure};
+pub use transient::{RawStart, RawTransient, RawTransientLoad, StartWord};
 pub use virtual_test::{RawExciter, RawNoise, RawSchedule, RawTestScene, RawVirtualTest};
 
 use schemars::JsonSchema;
@@ -64,6 +66,8 @@ pub struct RawAnalysis {
     /// Damped and forced motions, in place of the conservative nonlinear mode; several stand under headings
     /// `[[response]]`
     pub response: Option<Vec<RawResponse>>,
+    /// A motion in time under any loads, in place of a branch or responses
+    pub transient: Option<RawTransient>,
     /// How the periodic motion is computed; several methods stand under headings `[[method]]`
     pub method: RawMethod,
     /// How far the branch is followed

@@ -171,6 +171,12 @@ impl<'a> Rule<'a> {
                 (is("integer") || is("number")) && exact.is_some_and(|n| self.admits(n as f64))
             }
             DeValue::Float(x) => is("number") && x.as_str().parse().is_ok_and(|x| self.admits(x)),
+            DeValue::Table(table) => {
+                let known = |key: &str, value: &DeValue<'_>| self.of(key).is_some_and(|rule| rule.fits(value));
+                is("object")
+                    && table.iter().all(|(key, value)| known(key.get_ref(), value.get_ref()))
+                    && self.required().all(|key| table.contains_key(key))
+            }
             DeValue::Array(items) => {
                 let each =
                     |item: &toml::Spanned<DeValue<'_>>| self.items().is_none_or(|rule| rule.fits(item.get_ref()));

@@ -11,6 +11,7 @@ mod response;
 mod springs;
 mod static_loads;
 mod supports;
+mod transient;
 mod updating;
 mod virtual_test;
 
@@ -31,6 +32,7 @@ pub use response::{BaseDirection, BaseMotion, Damping, Dashpot, Force, ModeDampi
 pub use springs::{LawSpring, SpringLaw};
 pub use static_loads::{ForcePlace, Gravity, StaticForce, StaticLoads, Thermal};
 pub use supports::{free_dofs, holds};
+pub use transient::{Course, LoadOn, Transient, TransientLoad, TransientStart};
 pub use updating::{Updating, UpdatingDone};
 pub use virtual_test::{Backbone, KeptRecords, TestLoop, TestScene, TestStop};
 
@@ -76,6 +78,9 @@ pub struct Scene {
     /// Damped and forced motions; none where the conservative nonlinear mode is computed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub responses: Vec<Response>,
+    /// A motion in time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub transient: Option<Transient>,
     /// How the periodic motion is computed.
     pub method: Method,
     /// How far the branch is followed.

@@ -80,13 +80,14 @@ fn under_one_or_two_brackets(rule: &mut Value) {
     *rule = json!({ "description": written["description"], "anyOf": kinds });
 }
 
-/// A scene with responses need not say where a branch ends.
+/// A scene with responses need not say where a branch ends, and one of a motion in time no method either.
 fn without_an_end(demand: &mut Value) {
     let Some(required) = demand["required"].as_array_mut() else { return };
     let before = required.len();
-    required.retain(|key| key != "continuation");
+    required.retain(|key| key != "continuation" && key != "method");
     if required.len() < before {
-        demand["oneRequired"] = json!(["continuation", "response"]);
+        demand["oneRequired"] = json!(["continuation", "response", "transient"]);
+        demand["allOf"] = json!([{ "anyOf": [{ "required": ["method"] }, { "required": ["transient"] }] }]);
     }
 }
 

@@ -2,11 +2,19 @@
 //! shooting over the whole period.
 
 mod flow;
+mod input;
 mod motion;
+mod series;
 mod shooting;
+mod stroboscope;
 mod trajectory;
+mod transient;
 
+pub use input::{DEGREE, Signal, SignalPiece};
 pub use motion::ForcedMotion;
+pub use transient::{Along, Blow, Stretch, Touch, TransientSettings};
+
+use input::{Input, Observed};
 
 use nlmodes_contact::LcpMatrix;
 use nlmodes_linalg::Mat;
@@ -33,6 +41,10 @@ pub struct ForcedStructure {
     /// Contact, stiffness and damper of each dissipative stop.
     dampers: Vec<(usize, f64, f64)>,
     loads: Vec<ForcedLoad>,
+    /// Modal forces that do not change in time, m, √kg m/s²; empty for none.
+    steady: Vec<f64>,
+    inputs: Vec<Input>,
+    observed: Vec<Observed>,
 }
 
 /// One harmonic of the load.
@@ -85,6 +97,9 @@ impl ForcedStructure {
             gaps: gaps.to_vec(),
             dampers: Vec::new(),
             loads: Vec::new(),
+            steady: Vec::new(),
+            inputs: Vec::new(),
+            observed: Vec::new(),
         })
     }
 

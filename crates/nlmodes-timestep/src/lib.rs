@@ -53,6 +53,7 @@ mod bracket;
 mod contact_motion;
 mod dynamics;
 mod error;
+mod first_root;
 mod floquet;
 mod forced;
 mod fourier;
@@ -72,7 +73,9 @@ pub use contact_motion::ContactState;
 pub use dynamics::{ContactDynamics, MAX_DOFS};
 pub use error::TimestepError;
 pub use floquet::{Floquet, UNIT_CIRCLE};
-pub use forced::{ForcedMotion, ForcedStructure};
+pub use forced::{
+    Along, Blow, DEGREE, ForcedMotion, ForcedStructure, Signal, SignalPiece, Stretch, Touch, TransientSettings,
+};
 pub use global_problem::GlobalContactProblem;
 pub use grazing::GrazingState;
 pub use mode_shooting::{MAX_SHOOTING_MODES, ModeShooting};

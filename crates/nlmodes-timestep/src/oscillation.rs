@@ -1,4 +1,4 @@
-use crate::bracket::falls_below_zero;
+use crate::first_root::{Guard, first_negative, root};
 
 /// A guard along a motion: `f(t) = c + Σ_k a_k cos ω_k t + b_k sin(ω_k t)/ω_k + d_k (1 − cos ω_k t)/ω_k²`, with `t` in
 /// place of `sin(ω t)/ω` and `t²/2` in place of the last factor where `ω = 0`.
@@ -37,16 +37,6 @@ pub(crate) fn fall_integral(omega: f64, t: f64) -> f64 {
     }
     let square = turn * turn;
     t.powi(3) / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0 * (1.0 - square / 72.0)))
-}
-
-/// Information on the sign of `f` within a cell.
-enum Cell {
-    /// Never negative.
-    Quiet,
-    /// First negative just beyond this instant.
-    Leaves(f64),
-    /// Not yet decided.
-    Unclear,
 }
 
 impl Oscillation<'_> {
@@ -98,35 +88,8 @@ impl Oscillation<'_> {
     }
 
     /// Smallest `t` in `[0, end]` at which `f`, not negative at 0, becomes negative.
-    ///
-    /// In a cell of half-width r about m, `f` differs from its Taylor polynomial of second degree by at most `G r³/6`,
-    /// `|f'''| ≤ G`. A cell has no root if that polynomial exceeds the difference; if `f` is proven to be monotone or
-    /// of one curvature in it, its ends or its extremum decide; otherwise it is halved. Thus no pair of roots is
-    /// missed, however close, and grazing is decided by the value at the extremum. Values above minus a few rounding
-    /// errors of the amplitudes also count as no root: a guard may be zero all the time.
     pub fn first_negative(&self, end: f64) -> Option<f64> {
-        let (bound, noise) = (self.third_derivative(), 4.0 * f64::EPSILON * self.size());
-        if !(bound.is_finite() && noise.is_finite()) {
-            return None;
-        }
-        let resolution = 2.0 * f64::EPSILON * end;
-        let mut cells = vec![(0.0, end)];
-        while let Some((from, to)) = cells.pop() {
-            match self.judge(from, to, bound, noise) {
-                Cell::Quiet => {}
-                Cell::Leaves(t) => return Some(t),
-                Cell::Unclear if to - from <= resolution => {
-                    if self.evaluate(to)[0] < -noise {
-                        return Some(to);
-                    }
-                }
-                Cell::Unclear => {
-                    let middle = 0.5 * (from + to);
-                    cells.extend([(middle, to), (from, middle)]);
-                }
-            }
-        }
-        None
+        first_negative(self, end)
     }
 
     /// `−f`.
@@ -146,60 +109,30 @@ impl Oscillation<'_> {
         let Some((best, value)) = samples.min_by(|a, b| a.1.total_cmp(&b.1)) else { return f64::NAN };
         let (from, to) = (at(best.saturating_sub(1)), at((best + 1).min(cells)));
         if self.evaluate(from)[1] < 0.0 && self.evaluate(to)[1] > 0.0 {
-            return value.min(self.evaluate(self.root(1, from, to))[0]);
+            return value.min(self.evaluate(root(self, 1, from, to))[0]);
         }
         value
     }
-
-    fn judge(&self, from: f64, to: f64, bound: f64, noise: f64) -> Cell {
-        let (m, r) = (0.5 * (from + to), 0.5 * (to - from));
-        let [value, slope, curvature] = self.evaluate(m);
-        if lowest(value, slope, curvature, r) + noise >= bound * r * r * r / 6.0 {
-            return Cell::Quiet;
-        }
-        let at_end = || if self.evaluate(to)[0] < 0.0 { Cell::Leaves(self.root(0, from, to)) } else { Cell::Quiet };
-        if slope.abs() > curvature.abs() * r + 0.5 * bound * r * r {
-            return if slope > 0.0 { Cell::Quiet } else { at_end() };
-        }
-        if curvature > bound * r {
-            let lowest = self.lowest_of_convex(from, to);
-            return if self.evaluate(lowest)[0] < 0.0 { Cell::Leaves(self.root(0, from, lowest)) } else { Cell::Quiet };
-        }
-        if -curvature > bound * r {
-            return at_end();
-        }
-        Cell::Unclear
-    }
-
-    fn lowest_of_convex(&self, from: f64, to: f64) -> f64 {
-        match (self.evaluate(from)[1] < 0.0, self.evaluate(to)[1] > 0.0) {
-            (false, _) => from,
-            (true, false) => to,
-            (true, true) => self.root(1, from, to),
-        }
-    }
-
-    /// Where the derivative of the given order changes sign between `from` and `to`: f decreases through zero, f'
-    /// increases through it.
-    fn root(&self, order: usize, from: f64, to: f64) -> f64 {
-        let sign = if order == 0 { 1.0 } else { -1.0 };
-        let value_and_slope = |t: f64| {
-            let at = self.evaluate(t);
-            [sign * at[order], sign * at[order + 1]]
-        };
-        falls_below_zero(value_and_slope, from, to)
-    }
 }
 
-/// Smallest value of `value + slope s + ½ curvature s²` for `|s| ≤ r`.
-fn lowest(value: f64, slope: f64, curvature: f64, r: f64) -> f64 {
-    let at_ends = value - slope.abs() * r + 0.5 * curvature * r * r;
-    if curvature > 0.0 && slope.abs() < curvature * r { value - 0.5 * slope * slope / curvature } else { at_ends }
+impl Guard for Oscillation<'_> {
+    fn evaluate(&self, t: f64) -> [f64; 3] {
+        self.evaluate(t)
+    }
+
+    fn third_derivative(&self) -> f64 {
+        self.third_derivative()
+    }
+
+    fn size(&self) -> f64 {
+        self.size()
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::first_root::lowest_of_convex;
     use std::f64::consts::PI;
 
     fn first(lambda: &[f64], a: &[f64], b: &[f64], constant: f64, end: f64) -> Option<f64> {
@@ -322,11 +255,8 @@ mod tests {
         }
         let f = of(1.0, 0.0);
         let half = 0.5 * PI;
-        assert_eq!(f.lowest_of_convex(1.7, 2.0), 1.7);
-        assert_eq!(f.lowest_of_convex(1.2, 1.4), 1.4);
-        assert!((f.lowest_of_convex(1.2, 2.0) - half).abs() < 1e-14);
-        assert_eq!(lowest(1.0, 0.5, 4.0, 1.0), 1.0 - 0.5 * 0.25 / 4.0);
-        assert_eq!(lowest(1.0, 0.5, 0.2, 1.0), 1.0 - 0.5 + 0.1);
-        assert_eq!(lowest(1.0, -0.5, -0.2, 1.0), 1.0 - 0.5 - 0.1);
+        assert_eq!(lowest_of_convex(&f, 1.7, 2.0), 1.7);
+        assert_eq!(lowest_of_convex(&f, 1.2, 1.4), 1.4);
+        assert!((lowest_of_convex(&f, 1.2, 2.0) - half).abs() < 1e-14);
     }
 }

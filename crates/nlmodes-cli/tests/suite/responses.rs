@@ -2,6 +2,7 @@
 
 mod errors;
 mod few_masses;
+mod sweeps;
 
 use std::collections::BTreeMap;
 use std::error::Error;

@@ -1,11 +1,11 @@
 use super::{
     AppropriationRow, BranchRow, Column, ContactRow, DifferenceRow, FileMeaning, ModalPointRow, ParticipationRow,
-    ResponseDifferenceRow, ResponseRow, Row, StopDifferenceRow,
+    ResponseDifferenceRow, ResponseRow, Row, StopDifferenceRow, TouchRow,
 };
-use crate::table::{HARMONIC_ARRAYS, HISTORY_ARRAYS, MATLAB_VARIABLES, START_ARRAYS};
+use crate::table::{HARMONIC_ARRAYS, HISTORY_ARRAYS, MATLAB_VARIABLES, START_ARRAYS, TRANSIENT_ARRAYS};
 
 /// The results files of a structure, in order of usefulness.
-pub const FILES: [FileMeaning; 22] = [
+pub const FILES: [FileMeaning; 25] = [
     FileMeaning {
         name: "branch.csv",
         meaning: "The branch, a row a point, written as points are found; other branches of a run stand in folders of \
@@ -92,6 +92,25 @@ pub const FILES: [FileMeaning; 22] = [
         columns: &[&START_ARRAYS],
     },
     FileMeaning {
+        name: "transient.npz",
+        meaning: "Of a scene with `[transient]`, the histories at equal distances in time (P places, the contacts \
+            behind them; C contacts, T instants, W windows, F frequencies)",
+        columns: &[&TRANSIENT_ARRAYS],
+    },
+    FileMeaning {
+        name: "touches.csv",
+        meaning: "Of a scene with `[transient]`, a row a touch, in the order in which they end",
+        columns: &[TouchRow::COLUMNS],
+    },
+    FileMeaning {
+        name: "settled.json",
+        meaning: "Of `nlmodes-cli settle`: `kind`, what the motion of a response's point becomes, disturbed along the \
+            vector of its largest multiplier (`periodic` with `periods` of the load in one of the motion, `two-lines` \
+            with both `frequencies_hz`, `irregular` with the largest values and their spread, `other` with where it \
+            went), the disturbance, the time that was integrated, and the multipliers",
+        columns: &[],
+    },
+    FileMeaning {
         name: "summary.json",
         meaning: "The scene as read, linear frequencies, grazing point, method, `reduction` (free-interface modes, \
             and by how much half as many change the frequency), `contacts` of a structure from files (nodes, normal, \
@@ -111,7 +130,7 @@ pub const FILES: [FileMeaning; 22] = [
     FileMeaning {
         name: "frequency_energy.svg",
         meaning: "Figures, also `frequency_amplitude.svg`, `contacts.svg`, `participation.svg`, `motion_….svg`, \
-            `history_P….svg`; of responses `responses.svg` and others instead of the first two, and motions, contacts \
+            `history_P….svg`; of responses `responses.svg` and others instead of the first two, of motions in time `envelope.svg` and `spectrum.svg`, and motions, contacts \
             and histories of the first curve, up to its largest contact force; left out with `output.figures = false`",
         columns: &[],
     },

@@ -8,6 +8,7 @@ use nlmodes_scene::scene::{ResponseKind, Scene};
 
 use super::curves::ComputedResponse;
 use super::model::Model;
+use super::sweeps::Sweep;
 use crate::Failure;
 use crate::curve;
 use crate::overlay::LaidCurve;
@@ -20,11 +21,15 @@ pub fn all(
     scene: &Scene,
     model: &Model,
     (curves, laid): (&[ComputedResponse], &[LaidCurve]),
+    sweeps: &[Sweep],
 ) -> Result<Vec<Named>, Failure> {
     let mut found = Vec::new();
     for drawn in drawn(model.unit, !model.contacts.is_empty()) {
         let (file, title) = (drawn.file, drawn.title);
-        found.extend(drawn.figure(&scene.title, curves, laid)?.map(|figure| (file, title, figure)));
+        let swept = if file == "responses.svg" { sweeps } else { &[] };
+        found.extend(
+            drawn.figure(&scene.title, (curves, laid), (swept, model.unit))?.map(|figure| (file, title, figure)),
+        );
     }
     Ok(found)
 }
@@ -169,8 +174,8 @@ impl Drawn {
     fn figure(
         self,
         title: &str,
-        curves: &[ComputedResponse],
-        laid: &[LaidCurve],
+        (curves, laid): (&[ComputedResponse], &[LaidCurve]),
+        (swept, unit): (&[Sweep], &str),
     ) -> Result<Option<Figure>, ReportError> {
         let [x, y] = self.values;
         let shown = || curves.iter().filter(|c| (self.shown)(c.kind) && !c.branch.points.is_empty());
@@ -192,6 +197,7 @@ impl Drawn {
                 laid.iter().filter(|curve| (self.laid)(curve)).map(|curve| line(&curve.branch, curve.kind, false));
             lines.extend(laid.filter(|line| line.points.iter().any(|p| p.0.is_finite() && p.1.is_finite())));
         }
+        lines.extend(swept.iter().map(|sweep| sweep.line(unit)));
         let [abscissa, ordinate] = self.axes;
         let mut figure = ResponseFigure::new(&lines, abscissa, ordinate).title(title);
         for computed in shown().filter(|c| c.kind == ResponseKind::PhaseResonance) {

@@ -7,6 +7,7 @@ use nlmodes_scene::{short, significant};
 use serde::Serialize;
 
 use super::curves::ComputedResponse;
+use super::sweeps::Sweep;
 use crate::certificate::share;
 
 /// The responses at one level, over all curves over the frequency that have it.
@@ -35,6 +36,9 @@ struct Jump {
     /// Direction of the sweep.
     direction: Direction,
     amplitude_m: Amplitudes,
+    /// Where a sweep in time passes halfway to the other motion, Hz.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    swept_frequency_hz: Option<f64>,
 }
 
 /// Where the periodic motion of a stretch loses its stability without a fold.
@@ -91,7 +95,7 @@ const NEAR: usize = 2;
 const SHORTEST: f64 = 1e-6;
 
 /// Levels of all curves over the frequency; none where stability was not computed.
-pub fn all(curves: &[ComputedResponse]) -> Vec<Level> {
+pub fn all(curves: &[ComputedResponse], sweeps: &[Sweep]) -> Vec<Level> {
     let over_frequency = || curves.iter().filter(|computed| computed.kind == ResponseKind::Frequency);
     let mut keys: Vec<(usize, f64)> = Vec::new();
     for key in over_frequency().filter_map(|computed| Some((computed.response, computed.level?))) {
@@ -101,7 +105,12 @@ pub fn all(curves: &[ComputedResponse]) -> Vec<Level> {
     }
     let of = |(response, level): (usize, f64)| {
         let own = over_frequency().filter(|c| (c.response, c.level) == (response, Some(level)));
-        Level::of(response + 1, level, &own.collect::<Vec<_>>())
+        let mut found = Level::of(response + 1, level, &own.collect::<Vec<_>>());
+        let own = |up: bool| sweeps.iter().find(|s| (s.response, s.level, s.up) == (response, level, up));
+        for jump in &mut found.jumps {
+            jump.swept_frequency_hz = own(jump.direction == Direction::Up).and_then(|sweep| jump.in_sweep(sweep));
+        }
+        found
     };
     keys.into_iter().map(of).collect()
 }
@@ -144,6 +153,20 @@ const ROUNDING: f64 = 1e-9;
 /// ` ± 3 %`, or nothing where the error is not known or no more than rounding.
 fn within(error: Option<f64>) -> String {
     error.filter(|error| *error > ROUNDING).map_or_else(String::new, |error| format!(" ± {}", share(error)))
+}
+
+impl Jump {
+    /// Where a sweep, from the frequency of the jump on, is first halfway to the other motion, Hz.
+    fn in_sweep(&self, sweep: &Sweep) -> Option<f64> {
+        let Amplitudes { before, after } = self.amplitude_m;
+        let middle = 0.5 * (before + after?);
+        let is_behind = |hz: f64| if sweep.up { hz >= self.frequency_hz } else { hz <= self.frequency_hz };
+        let is_over = |amplitude: f64| if before > middle { amplitude < middle } else { amplitude > middle };
+        // It may jump somewhat before, where noise would make it.
+        let first = sweep.points.iter().position(|[hz, _]| is_behind(*hz))?;
+        let onto = sweep.points[..first].iter().rposition(|[_, a]| !is_over(*a)).map_or(first, |k| k + 1);
+        sweep.points[onto.min(first)..].iter().find(|[_, a]| is_over(*a)).map(|[hz, _]| *hz)
+    }
 }
 
 impl Level {
@@ -300,6 +323,7 @@ impl<'a> Stretch<'a> {
                 frequency_error: change(self.of, fold, frequency),
                 direction: self.direction(at, end),
                 amplitude_m: Amplitudes { before: size(of), after },
+                swept_frequency_hz: None,
             }
         };
         self.folds.into_iter().enumerate().filter_map(|(end, fold)| Some((end, fold?))).map(jump).collect()

@@ -54,6 +54,8 @@ pub struct Model {
     /// What dashpots move of what they hold at the frequency of the mode beyond the modes that are taken, the largest;
     /// none without dashpots.
     pub beyond_modes: Option<f64>,
+    /// Contacts whose stops have a damper beside their spring, N s/m.
+    pub stop_dampers: Vec<(usize, f64)>,
     /// What is to be known about what is left out.
     pub warnings: Vec<String>,
 }
@@ -72,8 +74,16 @@ impl Model {
     /// # Errors
     /// As [`new`](Self::new).
     pub fn sharing(file: &SceneFile, structures: &Structures) -> Result<Self, RunError> {
+        Ok(Self::with_parts(file, structures)?.0)
+    }
+
+    /// The same, with the structure from which it is made.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn with_parts(file: &SceneFile, structures: &Structures) -> Result<(Self, Reduced), RunError> {
         let scene = &file.scene;
-        let parts = reduced(file, structures)?;
+        let mut parts = reduced(file, structures)?;
         refusal::unless_supported(file, &parts.open, parts.reduction.as_ref())?;
         let failed = |key: &str, error: &(dyn std::error::Error + 'static)| -> RunError {
             file.error_at(key, &chain(error), "here", &[]).into()
@@ -105,7 +115,8 @@ impl Model {
                 response.add_law(&one.at, Arc::new(law), laws::SAMPLES).map_err(|error| failed(&path, &error))?;
             }
         }
-        for (contact, table, damper) in stop_dampers(scene, &parts) {
+        let dampers = stop_dampers(scene, &parts);
+        for &(contact, table, damper) in &dampers {
             let path = format!("contact.{table}.damping_n_s_m");
             response.add_stop_damper(contact, damper).map_err(|error| failed(&path, &error))?;
         }
@@ -144,7 +155,7 @@ impl Model {
         let Reduced { recorded, coordinates, .. } = &parts;
         let contact_coordinates: Vec<Option<usize>> =
             contacts.iter().map(|weights| coordinate(weights, recorded)).collect();
-        Ok(Self {
+        let model = Self {
             gaps: drawn_gaps(&parts),
             moved: parts.state.as_ref().map(|state| of_dofs(state, &parts.recorded)).unwrap_or_default(),
             state: parts.state.clone(),
@@ -160,10 +171,12 @@ impl Model {
             springs,
             unit,
             shift: parts.shift,
-            warnings: parts.warning.into_iter().chain(give_way(&beyond_modes)).collect(),
+            stop_dampers: dampers.into_iter().map(|(contact, _, damper)| (contact, damper)).collect(),
+            warnings: parts.warning.take().into_iter().chain(give_way(&beyond_modes)).collect(),
             beyond_modes: beyond_modes.into_iter().reduce(f64::max),
-            reduction: parts.reduction,
-        })
+            reduction: parts.reduction.take(),
+        };
+        Ok((model, parts))
     }
 
     /// The model with the drive point of a response: that of the scene, or the first force, or the first contact toward

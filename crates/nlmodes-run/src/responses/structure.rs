@@ -10,7 +10,7 @@ use nlmodes_scene::assemble::{
     Assembly, Body, Elements, OpenStructure, StaticState, Structures, element_model, node_weights, redistribution,
     row_weights,
 };
-use nlmodes_scene::scene::{BaseDirection, Place, Scene, StopOfBase, Structure};
+use nlmodes_scene::scene::{BaseDirection, BaseMotion as SceneBase, Place, Scene, StopOfBase, Structure};
 
 use crate::physical::recorded;
 use crate::{RunError, chain, mass, refusal};
@@ -211,13 +211,35 @@ impl Reduced {
 /// Why there is none, in words.
 pub fn base_motion(scene: &Scene, parts: &Reduced) -> Result<BaseMotion, String> {
     let base = scene.base_motion.ok_or("there is no base motion")?;
+    moving_base(scene, parts, parts.reduction.as_ref(), base)
+}
+
+/// The forces on the structure of a scene for each m/s² of the acceleration of its base, N.
+///
+/// # Errors
+/// Why there are none, in words.
+pub fn base_force(
+    scene: &Scene,
+    parts: &Reduced,
+    reduction: Option<&OpenStructure>,
+    direction: BaseDirection,
+) -> Result<Vec<f64>, String> {
+    let base = SceneBase { direction, amplitude: 1.0, is_acceleration: true, stop: StopOfBase::Moves };
+    Ok(moving_base(scene, parts, reduction, base)?.inertia.iter().map(|m| -m).collect())
+}
+
+fn moving_base(
+    scene: &Scene,
+    parts: &Reduced,
+    reduction: Option<&OpenStructure>,
+    base: SceneBase,
+) -> Result<BaseMotion, String> {
     let unit = if base.is_acceleration { BaseUnit::Acceleration } else { BaseUnit::Displacement };
     let stop_is_fixed = base.stop == StopOfBase::Fixed;
     let direction = match base.direction {
         BaseDirection::Along(direction) => direction,
         BaseDirection::Vector(direction) => {
-            let (files, _) =
-                parts.reduction.as_ref().and_then(|r| r.files.as_ref()).ok_or("the structure has an axis")?;
+            let (files, _) = reduction.and_then(|r| r.files.as_ref()).ok_or("the structure has an axis")?;
             let (inertia, rigid) = (files.inertia_along(direction), files.rigid_displacement(direction));
             return Ok(BaseMotion { inertia, rigid, unit, stop_is_fixed });
         }

@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 use super::curves::ComputedResponse;
 use super::levels::Level;
 use super::model::Model;
+use super::sweeps::Sweep;
 use super::tables::points;
 use crate::Failure;
 use crate::certificate::Certificate;
@@ -21,7 +22,8 @@ use crate::curve::summary::{At, AtRest, ContactAt, End, Reduction, Resonance, St
 pub fn write(
     directory: &Path,
     (scene, model): (&Scene, &Model),
-    (curves, certificate, levels): (&[ComputedResponse], &Certificate, &[Level]),
+    (curves, sweeps): (&[ComputedResponse], &[Sweep]),
+    (certificate, levels): (&Certificate, &[Level]),
     period: Option<&Period>,
     began: Instant,
 ) -> Result<(), Failure> {
@@ -53,6 +55,7 @@ pub fn write(
         "points": first,
         "curves": all,
         "levels": levels,
+        "sweeps": sweeps.iter().map(Sweep::summary).collect::<Vec<_>>(),
         "complete": curves.iter().all(ComputedResponse::is_complete),
         "largest_residual": largest_residual(points(curves).map(|(_, _, point)| point)),
         "largest_power_imbalance": imbalance(curves),

@@ -18,7 +18,19 @@ use nlmodes_scene::assemble::{Assembly, OpenStructure, StaticState, contact_mode
 use nlmodes_scene::scene::{MethodKind, Scene, Structure, Symmetry};
 
 const SUMMARY: &str = "summary.json";
-const HARMONICS: &str = "harmonics.npz";
+/// The scene of results.
+///
+/// # Errors
+/// [`VerifyError`] if there are none.
+pub(crate) fn scene_of(directory: &Path) -> Result<Scene, VerifyError> {
+    if !directory.is_dir() {
+        return Err(if directory.is_file() { VerifyError::File } else { VerifyError::NoDirectory });
+    }
+    let (path, source) = (directory.join(SUMMARY), serde::de::Error::missing_field("scene"));
+    read_summary(directory)?.scene.ok_or(VerifyError::NotASummary { path, source })
+}
+
+pub(crate) const HARMONICS: &str = "harmonics.npz";
 
 /// A periodic motion with its structure.
 pub struct Point {
@@ -178,6 +190,25 @@ fn read_start(path: &Path, number: usize, n: usize) -> Result<Option<Vec<f64>>, 
 
 /// Frequency and coefficients of one point of the archive.
 fn read_point(path: &Path, number: usize, dofs: &[Dof]) -> Result<(f64, HarmonicCoefficients), VerifyError> {
+    let (omega, coefficients, positions) = read_motion(path, number)?;
+    let foreign = |what, found: String, expected: String| Err(VerifyError::Foreign { what, found, expected });
+    let n = dofs.len();
+    if coefficients.n_coordinates() != n {
+        return foreign("degrees of freedom", coefficients.n_coordinates().to_string(), n.to_string());
+    }
+    let length = dofs.iter().fold(0.0_f64, |m, d| m.max(d.position.abs()));
+    let near = |(found, dof): (&f64, &Dof)| (found - dof.position).abs() <= 1e-9 * length;
+    if positions.len() != n || !positions.iter().zip(dofs).all(near) {
+        return foreign("degrees of freedom", "at other places".into(), "those of the scene".into());
+    }
+    Ok((omega, coefficients))
+}
+
+/// Frequency (rad/s) and coefficients of one point of the archive, and the positions of its degrees of freedom (m).
+///
+/// # Errors
+/// [`VerifyError`] if it has no such point.
+pub(crate) fn read_motion(path: &Path, number: usize) -> Result<(f64, HarmonicCoefficients, Vec<f64>), VerifyError> {
     let mut archive = Archive::open(path)?;
     let names = archive.names();
     for name in ["omega", "coefficients", "dof_position_m"] {
@@ -188,20 +219,14 @@ fn read_point(path: &Path, number: usize, dofs: &[Dof]) -> Result<(f64, Harmonic
     let (omega, positions) = (archive.array("omega")?, archive.array("dof_position_m")?);
     let (shape, values) = archive.complex("coefficients")?;
     let foreign = |what, found: String, expected: String| Err(VerifyError::Foreign { what, found, expected });
-    let n = dofs.len();
-    let &[points, coordinates, width] = shape.as_slice() else {
+    let &[points, n, width] = shape.as_slice() else {
         return foreign("dimensions of `coefficients`", shape.len().to_string(), "3".into());
     };
     if omega.shape != [points] {
         return foreign("points of `omega`", omega.values.len().to_string(), points.to_string());
     }
-    if coordinates != n || width == 0 {
-        return foreign("degrees of freedom", coordinates.to_string(), n.to_string());
-    }
-    let length = dofs.iter().fold(0.0_f64, |m, d| m.max(d.position.abs()));
-    let near = |(found, dof): (&f64, &Dof)| (found - dof.position).abs() <= 1e-9 * length;
-    if positions.values.len() != n || !positions.values.iter().zip(dofs).all(near) {
-        return foreign("degrees of freedom", "at other places".into(), "those of the scene".into());
+    if width == 0 {
+        return foreign("harmonics of `coefficients`", "none".into(), "those of a motion".into());
     }
     if number >= points {
         return Err(VerifyError::NoSuchPoint { point: number, points });
@@ -216,5 +241,5 @@ fn read_point(path: &Path, number: usize, dofs: &[Dof]) -> Result<(f64, Harmonic
     if !(omega.is_finite() && omega > 0.0 && (0..n).all(finite)) {
         return foreign("numbers of the point", "not finite".into(), "a motion".into());
     }
-    Ok((omega, coefficients))
+    Ok((omega, coefficients, positions.values))
 }

@@ -5,7 +5,7 @@ mod place;
 
 use crate::raw::{RawAnalysis, RawPlace, RawResponse};
 use crate::rule::number;
-use crate::scene::{BaseMotion, Damping, Force, Method, MethodKind, Response, ResponseKind};
+use crate::scene::{BaseMotion, Damping, Force, Method, MethodKind, Response, ResponseKind, StopOfBase};
 use crate::{Diagnostic, Diagnostics};
 pub use loads::own_damping;
 pub use place::Places;
@@ -33,7 +33,7 @@ pub fn check(
     if let (Some(method), true) = (method, raw.has_responses()) {
         of_method(method, diagnostics);
     }
-    if written.is_empty() {
+    if written.is_empty() && raw.transient.is_none() {
         without_effect(raw, diagnostics);
     }
     let mut responses: Vec<Response> =
@@ -143,6 +143,7 @@ fn response(
         has_load(i, kind, scene, is_mode, diagnostics),
     ];
     uses_its_keys(i, kind, diagnostics);
+    let is_sound = [is_sound, [sweeps(i, raw, scene, diagnostics), true, true]].concat();
     let levels = if is_mode { Some(Vec::new()) } else { levels(i, raw, scene, diagnostics) };
     let base = format!("response.{i}.drive");
     let drive = if raw.drive_m.is_some() || raw.drive_node.is_some() || raw.drive_row.is_some() {
@@ -233,6 +234,27 @@ fn has_load(
     false
 }
 
+/// A sweep in time takes linear springs, and loads that do not depend on the frequency.
+fn sweeps(i: usize, raw: &RawResponse, scene: &RawAnalysis, diagnostics: &mut Diagnostics<'_>) -> bool {
+    if !raw.response.sweep {
+        return true;
+    }
+    let base = scene.base_motion.as_ref();
+    let in_metres = base.is_some_and(|base| base.amplitude_m.is_some()) || raw.levels_m.is_some();
+    let (title, expected) = if scene.has_laws() {
+        ("springs with a law of force are not integrated in time", "expected no sweep beside [[spring]]")
+    } else if in_metres || base.is_some_and(|base| base.stop == Some(StopOfBase::Fixed)) {
+        (
+            "a base that is swept in time has an acceleration, and stops move with it",
+            "expected no sweep beside a displacement of the base or fixed stops",
+        )
+    } else {
+        return true;
+    };
+    diagnostics.put(&format!("response.{i}.sweep"), Diagnostic::error(title), expected);
+    false
+}
+
 /// Keys that belong to another kind of response have no effect.
 fn uses_its_keys(i: usize, kind: ResponseKind, diagnostics: &mut Diagnostics<'_>) {
     let is_forced = kind.is_forced();
@@ -243,6 +265,8 @@ fn uses_its_keys(i: usize, kind: ResponseKind, diagnostics: &mut Diagnostics<'_>
         ("levels_m_s2", is_forced, "frequency"),
         ("levels_m", is_forced, "frequency"),
         ("subharmonic", is_forced, "frequency"),
+        ("sweep", kind == ResponseKind::Frequency, "frequency"),
+        ("sweep_s", kind == ResponseKind::Frequency, "frequency"),
     ];
     for (key, _, other) in keys.into_iter().filter(|(_, is_used, _)| !is_used) {
         let path = format!("response.{i}.{key}");

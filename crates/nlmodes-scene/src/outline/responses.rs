@@ -2,7 +2,9 @@
 
 use super::{Row, list, row};
 use crate::number;
-use crate::scene::{BaseDirection, Damping, Dashpot, ModeDamping, Place, Response, ResponseKind, Scene, StopOfBase};
+use crate::scene::{
+    BaseDirection, Damping, Dashpot, ModeDamping, Place, Response, ResponseKind, Scene, StopOfBase, Structure,
+};
 
 /// Rows about damping, loads and responses; none for a scene without responses.
 pub fn rows(scene: &Scene) -> Vec<Row> {
@@ -11,10 +13,7 @@ pub fn rows(scene: &Scene) -> Vec<Row> {
     }
     let mut rows = Vec::new();
     let several = scene.structure.bodies().len() > 1;
-    rows.extend(scene.damping.as_ref().map(|found| row("damping", damping(found, several))));
-    for (i, structure) in scene.structure.bodies().iter().enumerate() {
-        rows.extend(structure.damping.as_ref().map(|own| row(format!("damping {}", i + 1), of_modes(own))));
-    }
+    rows.extend(dampings(scene));
     for (i, force) in scene.forces.iter().enumerate() {
         let mut text = format!("{}, {} N", place(&force.place, several), number(force.amplitude));
         if force.harmonic > 1 {
@@ -44,6 +43,16 @@ pub fn rows(scene: &Scene) -> Vec<Row> {
     rows
 }
 
+/// Damping of the scene and of each of several structures.
+pub fn dampings(scene: &Scene) -> Vec<Row> {
+    let several = scene.structure.bodies().len() > 1;
+    let of_scene = scene.damping.as_ref().map(|found| row("damping", damping(found, several)));
+    let own = |(i, structure): (usize, &Structure)| {
+        structure.damping.as_ref().map(|own| row(format!("damping {}", i + 1), of_modes(own)))
+    };
+    of_scene.into_iter().chain(scene.structure.bodies().iter().enumerate().filter_map(own)).collect()
+}
+
 fn of_modes(damping: &ModeDamping) -> String {
     match damping {
         ModeDamping::Ratios(ratios) if ratios.iter().all(|ratio| *ratio == 0.0) => "none of the modes".to_owned(),
@@ -61,7 +70,8 @@ fn damping(damping: &Damping, several: bool) -> String {
     of_modes(&damping.modes) + &damping.dashpots.iter().map(one).collect::<String>()
 }
 
-pub(super) fn place(place: &Place, several: bool) -> String {
+/// A place in words; `several` structures are told apart.
+pub fn place(place: &Place, several: bool) -> String {
     match place {
         Place::Along { at, direction, structure } => {
             let of = if several { format!(" of structure {}", structure + 1) } else { String::new() };

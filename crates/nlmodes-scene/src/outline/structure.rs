@@ -1,6 +1,6 @@
 //! What the scene of a structure would compute.
 
-use super::{Row, law, list, matrices, reduced, responses, row, springs, static_loads};
+use super::{Row, law, list, matrices, reduced, responses, row, springs, static_loads, transient};
 use crate::assemble::{OpenStructure, StaticState};
 use crate::number;
 use crate::rule::counted;
@@ -27,13 +27,16 @@ pub fn rows(scene: &Scene, open: Option<&OpenStructure>, state: Option<&StaticSt
     rows.extend(static_loads::rows(scene, state));
     rows.extend(scene.updating.as_ref().map(|updating| row("updating", fitted(updating))));
     rows.extend(open.map(|open| matrices::reduction(scene, open)));
-    rows.push(row("method", method(scene)));
-    if scene.responses.is_empty() {
+    if scene.transient.is_none() {
+        rows.push(row("method", method(scene)));
+    }
+    if scene.responses.is_empty() && scene.transient.is_none() {
         let is_pressed = state.is_some_and(|state| state.rest.closed.contains(&true));
         let reference = if is_pressed { "lift-off" } else { "grazing" };
         rows.push(row("branch", branch(&scene.continuation, scene.method.mode, reference)));
     }
     rows.extend(responses::rows(scene));
+    rows.extend(transient::rows(scene));
     rows.push(row("results", scene.output_directory.display().to_string()));
     rows
 }

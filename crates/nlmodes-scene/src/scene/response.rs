@@ -134,6 +134,14 @@ pub struct Response {
     #[serde(default = "one")]
     #[schemars(range(min = 1, max = 1000))]
     pub controlled_harmonics: usize,
+    /// Whether each level is swept slowly up and down in time too, from rest, and laid over its curve
+    #[serde(default, skip_serializing_if = "is_off")]
+    pub sweep: bool,
+    /// Length of each sweep; default so long that the frequency moves by a quarter of the bandwidth 2 ζ f of the mode
+    /// in the time 1/(2 ζ f)
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("unit" = "s", "exclusiveMinimum" = 0.0))]
+    pub sweep_s: Option<f64>,
 }
 
 impl Response {
@@ -147,6 +155,8 @@ impl Response {
             lag_deg: quarter_turn(),
             subharmonic: 1,
             controlled_harmonics: 1,
+            sweep: false,
+            sweep_s: None,
         }
     }
 }
@@ -161,6 +171,10 @@ fn one_or_two_frequencies(_: &mut SchemaGenerator) -> Schema {
         "maxItems": 2,
         "unit": "Hz",
     })
+}
+
+fn is_off(is_on: &bool) -> bool {
+    !is_on
 }
 
 fn quarter_turn() -> f64 {

@@ -22,6 +22,11 @@ pub fn first_case(study: &Study, diagnostics: &mut Diagnostics<'_>) {
                     Diagnostic::error("the scene asks for responses: studies are of nonlinear modes so far");
                 diagnostics.put("scene", diagnostic, "expected a scene without [response]");
             }
+            if parts.iter().any(|part| part.file.scene.transient.is_some()) {
+                let diagnostic =
+                    Diagnostic::error("the scene asks for a motion in time: studies are of nonlinear modes");
+                diagnostics.put("scene", diagnostic, "expected a scene without [transient]");
+            }
             return;
         }
     };

@@ -1,20 +1,19 @@
 use nlmodes_linalg::{DenseLu, Mat, eigenvalues, matrix_exponential};
 
-use super::ForcedStructure;
+use super::series::Series;
+use super::{DEGREE, ForcedStructure, Observed};
 use crate::TimestepError;
-use crate::bracket::falls_below_zero;
-use crate::phase::{dot, product};
+use crate::phase::product;
 
-/// Length of a step relative to the shortest time per radian of the structure or its load; and the minimum number of
-/// steps per period.
-const TURN: f64 = 0.2;
-const FEWEST: f64 = 96.0;
+/// Length of a step relative to the shortest time per radian of the structure or its load.
+const TURN: f64 = 2.0;
 
 /// Maximum number of terms of a power series within a step.
 const TERMS: usize = 60;
 
-/// The structure as long as one set of contacts is closed: `ẇ = 𝒜 w` for the state extended by a one and the
-/// oscillators of the load, so that loads and gaps are included and resonance needs no special treatment.
+/// The structure as long as one set of contacts is closed: `ẇ = 𝒜 w` for the state extended by a one, the oscillators
+/// of the periodic load and the Taylor coefficients of all others, so that loads and gaps are included and resonance
+/// needs no special treatment.
 #[derive(Debug)]
 pub(super) struct Flow {
     pub closed: Vec<bool>,
@@ -25,25 +24,43 @@ pub(super) struct Flow {
     /// Guards, which must not become negative, m: the gap of an open contact, the force of a closed one times its own
     /// compliance.
     pub guards: Vec<Vec<f64>>,
+    /// Those along a step.
+    pub watched: Vec<Series>,
     /// Contact forces (N), gaps without them and with them (m).
     pub forces: Vec<Vec<f64>>,
     pub free: Vec<Vec<f64>>,
     pub gaps: Vec<Vec<f64>>,
+    /// Forces and observed displacements along a step.
+    pub forces_along: Vec<Series>,
+    pub observed: Vec<Series>,
 }
 
 impl ForcedStructure {
     /// Length of `w`.
     pub(super) fn n_augmented(&self) -> usize {
-        self.n_states() + 1 + 2 * self.loads.len()
+        self.n_states() + 1 + 2 * self.loads.len() + (DEGREE + 1) * self.inputs.len()
     }
 
-    /// `w` of a state (rates in their unit) at an instant.
+    /// Where the Taylor coefficients of an input begin in `w`.
+    pub(super) fn first_of_input(&self, input: usize) -> usize {
+        self.n_states() + 1 + 2 * self.loads.len() + (DEGREE + 1) * input
+    }
+
+    /// `w` of a state (rates in their unit) at an instant; inputs are zero.
     pub(super) fn augmented(&self, state: &[f64], omega: f64, t: f64) -> Vec<f64> {
-        let oscillators = self.loads.iter().flat_map(|load| {
+        let mut w: Vec<f64> = state.iter().copied().chain([1.0]).collect();
+        w.resize(self.n_augmented(), 0.0);
+        self.turn_oscillators(&mut w, omega, t);
+        w
+    }
+
+    /// Sets the oscillators of the load to an instant.
+    pub(super) fn turn_oscillators(&self, w: &mut [f64], omega: f64, t: f64) {
+        let first = self.n_states() + 1;
+        for (load, at) in self.loads.iter().zip(w[first..].chunks_exact_mut(2)) {
             let (sin, cos) = (load.harmonic as f64 * omega * t).sin_cos();
-            [cos, sin]
-        });
-        state.iter().copied().chain([1.0]).chain(oscillators).collect()
+            (at[0], at[1]) = (cos, sin);
+        }
     }
 
     /// Gaps without contact forces as rows acting on `w`.
@@ -59,6 +76,9 @@ impl ForcedStructure {
             for (j, load) in self.loads.iter().enumerate() {
                 (row[s + 1 + 2 * j], row[s + 2 + 2 * j]) = (level * load.gaps[i].re, -level * load.gaps[i].im);
             }
+            for (j, input) in self.inputs.iter().enumerate() {
+                row[self.first_of_input(j)] = input.gaps[i];
+            }
             row
         };
         (0..self.n_contacts()).map(row).collect()
@@ -72,6 +92,7 @@ impl ForcedStructure {
             a[(k, m + k)] = rate;
             a[(m + k, k)] = -self.omega_squared[k] / rate;
             (0..m).for_each(|l| a[(m + k, m + l)] = -self.damping[(k, l)]);
+            a[(m + k, s)] = self.steady.get(k).map_or(0.0, |force| force / rate);
         }
         for (j, (_, stiffness, damper)) in self.dampers.iter().enumerate() {
             a[(2 * m + j, 2 * m + j)] = -stiffness / damper;
@@ -82,6 +103,12 @@ impl ForcedStructure {
             for (k, p) in load.modal.iter().enumerate() {
                 (a[(m + k, cos)], a[(m + k, sin)]) = (level * p.re / rate, -level * p.im / rate);
             }
+        }
+        for (j, input) in self.inputs.iter().enumerate() {
+            let first = self.first_of_input(j);
+            // u = Σ c_i (rate t)^i about the present instant: the derivative of c_i is (i + 1) rate c_{i+1}.
+            (0..DEGREE).for_each(|i| a[(first + i, first + i + 1)] = (i + 1) as f64 * rate);
+            input.modal.iter().enumerate().for_each(|(k, p)| a[(m + k, first)] = p / rate);
         }
         a
     }
@@ -113,10 +140,25 @@ impl ForcedStructure {
             eigenvalues(&own).map_err(TimestepError::during("rates of a structure with some contacts closed"))?;
         let loads = self.loads.iter().map(|load| load.harmonic as f64 * omega);
         let fastest = found.iter().map(|z| z.norm()).chain(loads).fold(omega, f64::max);
-        let step = (TURN / fastest).min(std::f64::consts::TAU / (FEWEST * omega));
+        let step = TURN / fastest;
         let over_step = scaled_exponential(&matrix, n, step)?;
-        let guards = (0..closed.len()).map(guard).collect();
-        Ok(Flow { closed: closed.to_vec(), step, matrix, over_step, guards, forces, free, gaps })
+        let guards: Vec<Vec<f64>> = (0..closed.len()).map(guard).collect();
+        let along = |rows: &[Vec<f64>]| rows.iter().map(|row| Series::new(row, &matrix, step)).collect();
+        let observed: Vec<Vec<f64>> = self.observed.iter().map(|of| self.observed_row(of, &forces)).collect();
+        let (watched, forces_along, observed) = (along(&guards), along(&forces), along(&observed));
+        let closed = closed.to_vec();
+        Ok(Flow { closed, step, matrix, over_step, guards, watched, forces, free, gaps, forces_along, observed })
+    }
+
+    /// An observed displacement as a row acting on `w`.
+    fn observed_row(&self, of: &Observed, forces: &[Vec<f64>]) -> Vec<f64> {
+        let mut row = vec![0.0; self.n_augmented()];
+        row[..self.n_modes()].copy_from_slice(&of.modes);
+        for (weight, force) in of.contacts.iter().zip(forces) {
+            row.iter_mut().zip(force).for_each(|(row, force)| *row += weight * force);
+        }
+        of.inputs.iter().enumerate().for_each(|(j, moved)| row[self.first_of_input(j)] += moved);
+        row
     }
 
     /// Contact forces as rows acting on `w`: `λ_S = −A_SS⁻¹ y_S`, zero for open contacts.
@@ -169,40 +211,12 @@ impl Flow {
         }
         scaled_exponential(&self.matrix, states, t)
     }
-
-    /// A row, its first and second time derivatives at `w`.
-    pub fn evaluate(&self, row: &[f64], w: &[f64]) -> [f64; 3] {
-        let rate = product(&self.matrix, w);
-        [dot(row, w), dot(row, &rate), dot(row, &product(&self.matrix, &rate))]
-    }
-
-    /// Time at which a row (or, with `order` 1, its rate) that is not negative at `from` becomes negative before `to`,
-    /// both within a step from `w`; `constant` is added to the row.
-    pub fn root(&self, row: &[f64], constant: f64, order: usize, w: &[f64], (from, to): (f64, f64)) -> f64 {
-        let value_and_slope = |t: f64| {
-            let mut at = self.evaluate(row, &self.after(w, t));
-            at[0] += constant;
-            [at[order], at[order + 1]]
-        };
-        falls_below_zero(value_and_slope, from, to)
-    }
-
-    /// The lowest value of a row within a step of length `t` from `w` to `next`, and its time; one of the ends if it
-    /// has no minimum in between.
-    pub fn lowest(&self, row: &[f64], w: &[f64], next: &[f64], t: f64) -> (f64, f64) {
-        let [from, to] = [self.evaluate(row, w), self.evaluate(row, next)];
-        if from[1] < 0.0 && to[1] > 0.0 {
-            let falls: Vec<f64> = row.iter().map(|v| -v).collect();
-            let when = self.root(&falls, 0.0, 1, w, (0.0, t));
-            return (dot(row, &self.after(w, when)), when);
-        }
-        if from[0] < to[0] { (from[0], 0.0) } else { (to[0], t) }
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::phase::dot;
     use num_complex::Complex64;
 
     /// A mode of 2 rad/s with two contacts, each stop with a spring and a damper, under loads of two harmonics; the
@@ -286,42 +300,5 @@ mod tests {
                 [-0.6, (push - 4.0 * 0.8) / 2.0, (forces[0] - 3.0 * 0.05) / 2.0, (forces[1] + 5.0 * 0.02) / 0.5];
             rate.iter().zip(expected).for_each(|(a, b)| assert!((a - b).abs() < 1e-12, "{closed:?}: {a} {b}"));
         }
-    }
-
-    #[test]
-    fn roots_and_lowest_values_within_a_step_are_those_of_a_cosine() {
-        let mut free = ForcedStructure::new(
-            &[4.0],
-            &Mat::zeros(1, 1),
-            &Mat::from_fn(1, 1, |_, _| 1.0),
-            &Mat::identity(1, 1),
-            &[9.0],
-        )
-        .unwrap();
-        free.push_load(1, &[Complex64::default()], &[Complex64::default()]).unwrap();
-        let flow = free.flow(&[false], 0.5, 0.0).unwrap();
-        [1.0, 1e-6, 1e6].into_iter().for_each(|unit| roots_and_lowest_of(&free, &flow, unit));
-    }
-
-    /// Of a row in some unit.
-    fn roots_and_lowest_of(free: &ForcedStructure, flow: &Flow, unit: f64) {
-        let row = [unit, 0.0, 0.0, 0.0, 0.0];
-        // cos 2(t + begin).
-        let at = |begin: f64| free.augmented(&[(2.0 * begin).cos(), -(2.0 * begin).sin()], 0.5, 0.0);
-        let (begin, t) = (0.25 * std::f64::consts::PI - 0.02, 0.06);
-        assert!((flow.root(&row, 0.0, 0, &at(begin), (0.0, t)) - 0.02).abs() < 1e-14);
-        let lower = flow.root(&row, 0.02 * unit, 0, &at(begin), (0.0, t));
-        assert!(((2.0 * (begin + lower)).cos() + 0.02).abs() < 1e-14, "{lower}");
-        let lowest = |begin: f64, t: f64| {
-            let w = at(begin);
-            let (value, when) = flow.lowest(&row, &w, &flow.after(&w, t), t);
-            (value / unit, when)
-        };
-        let (value, when) = lowest(0.5 * std::f64::consts::PI - 0.03, t);
-        assert!((value + 1.0).abs() < 1e-14 && (when - 0.03).abs() < 1e-14, "{value} {when}");
-        let (value, when) = lowest(0.3, t);
-        assert!((value - 0.72_f64.cos()).abs() < 1e-14 && when == t);
-        let (value, when) = lowest(1.8, t);
-        assert!((value - 3.6_f64.cos()).abs() < 1e-14 && when == 0.0);
     }
 }

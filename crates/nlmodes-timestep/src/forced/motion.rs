@@ -3,7 +3,9 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 
 use super::flow::Flow;
+use super::series::Series;
 use super::trajectory::Piece;
+use crate::first_root::Guard;
 use crate::phase::dot;
 
 /// A periodic motion under a load, exact to rounding.
@@ -30,6 +32,9 @@ const GAUSS: [(f64, f64); 4] = [
     (0.796_666_477_413_626_7, 0.222_381_034_453_374_5),
     (0.960_289_856_497_536_3, 0.101_228_536_290_376_3),
 ];
+
+/// Parts of a step for this rule.
+const PARTS: usize = 4;
 
 impl ForcedMotion {
     /// Complex amplitude of modal coordinate k at `harmonic` times the frequency of the motion (that of the load over
@@ -88,9 +93,8 @@ impl ForcedMotion {
     }
 
     fn highest(&self, piece: &Piece, row: &[f64]) -> f64 {
-        let falling: Vec<f64> = row.iter().map(|v| -v).collect();
-        let next = piece.flow.after(&piece.w, piece.length);
-        -piece.flow.lowest(&falling, &piece.w, &next, piece.length).0
+        let along = Series::new(row, &piece.flow.matrix, piece.flow.step).from(&piece.w);
+        along.highest(piece.length / piece.flow.step)
     }
 
     /// `(2/T) ∫ r(t) e^{−i n ω t} dt` of a row, half of it for the mean.
@@ -98,11 +102,15 @@ impl ForcedMotion {
         let nu = harmonic as f64 * self.omega / self.periods as f64;
         let mut sum = Complex64::default();
         for piece in &self.pieces {
-            let (row, half) = (row(&piece.flow), 0.5 * piece.length);
-            for (node, weight) in GAUSS.into_iter().flat_map(|(node, weight)| [(node, weight), (-node, weight)]) {
-                let t = half * (1.0 + node);
-                let value = dot(&row, &piece.flow.after(&piece.w, t));
-                sum += Complex64::cis(-nu * (piece.from + t)) * (half * weight * value);
+            let along = Series::new(&row(&piece.flow), &piece.flow.matrix, piece.flow.step).from(&piece.w);
+            // Within a part neither the motion nor its harmonic turns by much.
+            let parts = PARTS + (nu * piece.length).ceil() as usize;
+            let half = 0.5 * piece.length / parts as f64;
+            for (part, (node, weight)) in (0..parts).flat_map(|part| GAUSS.map(|pair| (part, pair))) {
+                for t in [node, -node].map(|node| half * (2.0 * part as f64 + 1.0 + node)) {
+                    let value = along.evaluate(t / piece.flow.step)[0];
+                    sum += Complex64::cis(-nu * (piece.from + t)) * (half * weight * value);
+                }
             }
         }
         sum * (if harmonic == 0 { 1.0 } else { 2.0 } / self.period())

@@ -86,7 +86,7 @@ impl ForcedStructure {
     }
 
     /// A state with its rates multiplied by a factor.
-    fn in_units(&self, state: &[f64], factor: f64) -> Vec<f64> {
+    pub(super) fn in_units(&self, state: &[f64], factor: f64) -> Vec<f64> {
         let m = self.n_modes();
         let is_rate = |i: usize| (m..2 * m).contains(&i);
         state.iter().enumerate().map(|(i, v)| if is_rate(i) { v * factor } else { *v }).collect()
@@ -115,7 +115,7 @@ impl ForcedStructure {
 }
 
 /// Largest difference of two states relative to the first.
-fn distance(x: &[f64], end: &[f64]) -> f64 {
+pub(super) fn distance(x: &[f64], end: &[f64]) -> f64 {
     // NaN is preserved.
     let larger = |most: f64, v: f64| if v.abs() > most || v.is_nan() { v.abs() } else { most };
     let largest = |of: &mut dyn Iterator<Item = f64>| of.fold(0.0, larger);

@@ -6,15 +6,19 @@ use nlmodes_linalg::Mat;
 
 use super::ForcedStructure;
 use super::flow::Flow;
+use super::series::size;
 use crate::TimestepError;
 use crate::phase::dot;
 
-/// Maximum number of steps of a trajectory.
+/// Maximum number of steps of a trajectory that is kept.
 const MAX_PIECES: usize = 2_000_000;
 
 /// Number of switchings without progress, per contact, after which the contact problem just ahead decides, and after
 /// which the integration fails.
 const PATIENCE: [usize; 2] = [2, 8];
+
+/// Length over a step up to which two instants are one.
+const SAME: f64 = 1e-12;
 
 /// A step within which no contact changes.
 #[derive(Debug, Clone)]
@@ -27,12 +31,42 @@ pub(super) struct Piece {
 
 /// Motions of a structure at one frequency and level.
 pub(super) struct Propagator<'a> {
-    structure: &'a ForcedStructure,
+    pub structure: &'a ForcedStructure,
     omega: f64,
     level: f64,
     flows: HashMap<Vec<bool>, Arc<Flow>>,
     free: Vec<Vec<f64>>,
     workspace: Box<dyn LcpWorkspace>,
+}
+
+/// A motion on its way.
+pub(super) struct Running {
+    pub w: Vec<f64>,
+    pub t: f64,
+    /// What the sum of the steps is short of.
+    short: f64,
+    pub flow: Arc<Flow>,
+    /// First coefficients of the guards along the step ahead.
+    ahead: Vec<[f64; 4]>,
+    idle: usize,
+}
+
+impl Running {
+    /// Looks at the guards anew after a change of `w`.
+    pub fn look_ahead(&mut self) {
+        self.ahead = self.flow.watched.iter().map(|guard| guard.leading(&self.w)).collect();
+    }
+
+    /// Adds a length to the time, with the compensation of Kahan.
+    fn go(&mut self, length: f64) {
+        let length = length - self.short;
+        let t = self.t + length;
+        (self.t, self.short) = (t, (t - self.t) - length);
+    }
+
+    fn arrive(&mut self, t: f64) {
+        (self.t, self.short) = (t, 0.0);
+    }
 }
 
 impl<'a> Propagator<'a> {
@@ -44,51 +78,76 @@ impl<'a> Propagator<'a> {
 
     /// The motion over a time from a state, step by step, and the state at its end.
     pub fn propagate(&mut self, state: &[f64], duration: f64) -> Result<(Vec<Piece>, Vec<f64>), TimestepError> {
-        let n = self.structure.n_states();
-        let (mut t, mut idle, mut pieces) = (0.0, 0, Vec::new());
-        let mut w = self.structure.augmented(state, self.omega, t);
-        let mut flow = self.flow_of(&w)?;
-        let patience = PATIENCE.map(|p| p * flow.closed.len() + 2);
-        while duration - t > 1e-14 * duration {
-            // A guard is zero to rounding after its contact instant.
-            let values = flow.guards.iter().map(|guard| dot(guard, &w));
-            let offsets: Vec<f64> = values.map(|value| (-value).max(0.0)).collect();
-            let wrong = (0..offsets.len()).find(|&i| offsets[i] > 1e-9 * size(&flow.guards[i], &w));
-            let length = flow.step.min(duration - t);
-            let next = flow.after(&w, length);
-            let switch = match wrong {
-                Some(contact) => Some((0.0, contact)),
-                None => first_switch(&flow, &w, &next, length, &offsets),
-            };
-            let gone = switch.map_or(length, |(when, _)| when);
-            let at = if switch.is_some() { flow.after(&w, gone) } else { next };
-            if gone > 0.0 {
-                pieces.push(Piece { from: t, length: gone, flow: Arc::clone(&flow), w });
-            }
-            t += gone;
+        let mut running = self.start(self.structure.augmented(state, self.omega, 0.0), 0.0)?;
+        let mut pieces = Vec::new();
+        while let Some(piece) = self.advance(&mut running, duration)? {
+            pieces.push(piece);
             if pieces.len() > MAX_PIECES {
-                return Err(TimestepError::TooManyContacts { time: t, most: MAX_PIECES });
+                return Err(TimestepError::TooManyContacts { time: running.t, most: MAX_PIECES });
             }
-            let Some((_, contact)) = switch else {
-                w = at;
-                idle = 0;
-                continue;
+        }
+        running.w.truncate(self.structure.n_states());
+        Ok((pieces, running.w))
+    }
+
+    /// A motion that begins with `w` at an instant.
+    pub fn start(&mut self, w: Vec<f64>, t: f64) -> Result<Running, TimestepError> {
+        let flow = self.flow_of(&w)?;
+        let mut running = Running { w, t, short: 0.0, flow, ahead: Vec::new(), idle: 0 };
+        running.look_ahead();
+        Ok(running)
+    }
+
+    /// Goes on to the next contact instant, by a step at most and not beyond `until`; none where that is reached.
+    pub fn advance(&mut self, running: &mut Running, until: f64) -> Result<Option<Piece>, TimestepError> {
+        let patience = PATIENCE.map(|p| p * self.free.len() + 2);
+        loop {
+            let flow = Arc::clone(&running.flow);
+            let left = until - running.t + running.short;
+            if left <= SAME * flow.step + 2.0 * f64::EPSILON * until.abs() {
+                running.arrive(until);
+                return Ok(None);
+            }
+            let is_last = left <= (1.0 + SAME) * flow.step;
+            let length = if left < (1.0 - SAME) * flow.step { left } else { flow.step };
+            let next = flow.after(&running.w, length);
+            let ahead: Vec<[f64; 4]> = flow.watched.iter().map(|guard| guard.leading(&next)).collect();
+            let switch = match wrong(&flow, running) {
+                Some(contact) => Some((0.0, contact)),
+                None => first_switch(&flow, running, &ahead, length),
             };
-            w = self.structure.augmented(&at[..n], self.omega, t);
-            idle = if gone > 1e-13 * duration { 0 } else { idle + 1 };
-            if idle > patience[1] {
-                return Err(TimestepError::Chatter { time: t, switches: idle });
+            let Some((gone, contact)) = switch else {
+                let (from, w) = (running.t, std::mem::replace(&mut running.w, next));
+                running.ahead = ahead;
+                running.idle = 0;
+                if is_last {
+                    running.arrive(until)
+                } else {
+                    running.go(length)
+                }
+                return Ok(Some(Piece { from, length, flow, w }));
+            };
+            let (from, at) = (running.t, flow.after(&running.w, gone));
+            let w = std::mem::replace(&mut running.w, at);
+            running.go(gone);
+            self.structure.turn_oscillators(&mut running.w, self.omega, running.t);
+            running.idle = if gone > 1e-13 * until.abs() { 0 } else { running.idle + 1 };
+            if running.idle > patience[1] {
+                return Err(TimestepError::Chatter { time: running.t, switches: running.idle });
             }
-            flow = match idle > patience[0] {
-                true => self.flow_of(&flow.after(&w, 1e-4 * flow.step))?,
+            running.flow = match running.idle > patience[0] {
+                true => self.flow_of(&flow.after(&running.w, 1e-4 * flow.step))?,
                 false => {
                     let mut closed = flow.closed.clone();
                     closed[contact] = !closed[contact];
                     self.flow(&closed)?
                 }
             };
+            running.look_ahead();
+            if gone > 0.0 {
+                return Ok(Some(Piece { from, length: gone, flow, w }));
+            }
         }
-        Ok((pieces, w[..n].to_vec()))
     }
 
     fn flow_of(&mut self, w: &[f64]) -> Result<Arc<Flow>, TimestepError> {
@@ -115,23 +174,33 @@ pub(super) fn transition(pieces: &[Piece], states: usize) -> Result<Mat<f64>, Ti
     each.try_fold(Mat::identity(states, states), |before, step| Ok(step? * before))
 }
 
-fn size(row: &[f64], w: &[f64]) -> f64 {
-    row.iter().zip(w).map(|(r, w)| (r * w).abs()).sum()
+/// A contact whose guard is negative beyond rounding: its set does not belong to this state.
+fn wrong(flow: &Flow, running: &Running) -> Option<usize> {
+    let values = running.ahead.iter().map(|ahead| ahead[0]).enumerate();
+    let mut negative = values.filter(|(_, value)| *value < 0.0);
+    negative.find(|(i, value)| -value > 1e-9 * size(&flow.guards[*i], &running.w)).map(|(i, _)| i)
 }
 
-/// Time and index of the first contact change within a step from `w` to `next`.
-fn first_switch(flow: &Flow, w: &[f64], next: &[f64], length: f64, offsets: &[f64]) -> Option<(f64, usize)> {
+/// Time and index of the first contact change within a part of a step, at whose end guards begin with `after`.
+fn first_switch(flow: &Flow, running: &Running, after: &[[f64; 4]], length: f64) -> Option<(f64, usize)> {
     let mut first: Option<(f64, usize)> = None;
-    for (i, (guard, offset)) in flow.guards.iter().zip(offsets).enumerate() {
-        let noise = 4.0 * f64::EPSILON * size(guard, w);
-        let (lowest, when) = flow.lowest(guard, w, next, length);
-        if lowest + offset >= -noise {
+    for (i, (before, after)) in running.ahead.iter().zip(after).enumerate() {
+        if before[0].min(after[0]) > reach(before).max(reach(after)) {
             continue;
         }
-        let found = flow.root(guard, *offset, 0, w, (0.0, when));
-        if first.is_none_or(|(earliest, _)| found < earliest) {
-            first = Some((found, i));
+        let mut guard = flow.watched[i].from(&running.w);
+        // A guard is zero to rounding after its contact instant.
+        guard.a[0] += (-before[0]).max(0.0);
+        let end = first.map_or(length, |(earliest, _)| earliest) / flow.step;
+        if let Some(when) = guard.first_negative(end) {
+            first = Some((when * flow.step, i));
         }
     }
     first
+}
+
+/// By how much a guard may change within half a step: a step resolves all modes, each of which turns by no more than
+/// one radian in half of it.
+fn reach(leading: &[f64; 4]) -> f64 {
+    leading[1].abs() + leading[2].abs() + leading[3].abs()
 }

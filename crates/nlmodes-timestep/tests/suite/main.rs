@@ -11,4 +11,5 @@ mod rigid_bodies;
 mod stability;
 mod support;
 mod three_element_rod;
+mod transient;
 mod two_element_rod;

@@ -1,0 +1,63 @@
+//! Sweeps in time beside curves over the frequency.
+
+use std::fs;
+
+use tempfile::tempdir;
+
+use super::{Outcome, ROD, run, said, summary};
+
+const SWEPT: &str = r#"
+[[response]]
+kind = "frequency"
+frequency_hz = [0.38, 0.47]
+levels_n = [0.2]
+sweep = true
+"#;
+
+#[test]
+fn a_slow_sweep_follows_the_curve_and_jumps_behind_its_folds() -> Outcome {
+    let folder = tempdir()?;
+    let output = run(folder.path(), &format!("{ROD}{SWEPT}[output]\npage = false\n"), &[])?;
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    let found = summary(folder.path())?;
+    let jumps = found["levels"][0]["jumps"].as_array().ok_or("no jumps")?;
+    assert_eq!(jumps.len(), 2, "{jumps:?}");
+    for jump in jumps {
+        let [curve, swept] = ["frequency_hz", "swept_frequency_hz"].map(|key| jump[key].as_f64().unwrap_or(f64::NAN));
+        let late = if jump["direction"] == "up" { swept - curve } else { curve - swept };
+        // It takes the motion some time to leave, in which the frequency goes on.
+        assert!(late > -1e-4 && late < 6e-3, "{jump}");
+    }
+    let sweeps = found["sweeps"].as_array().ok_or("no sweeps")?;
+    assert_eq!((&sweeps[0]["direction"], &sweeps[1]["direction"]), (&"up".into(), &"down".into()));
+    // Up to the fold the sweep has the amplitudes of the curve; downward it misses the peak.
+    let [up, down] = [0, 1].map(|k| sweeps[k]["peak"]["amplitude_m"].as_f64().unwrap_or(f64::NAN));
+    let peak = found["levels"][0]["peak"]["amplitude_m"].as_f64().ok_or("no peak")?;
+    assert!((up / peak - 1.0).abs() < 0.03, "{up} {peak}");
+    assert!(down < 0.7 * peak, "{down} {peak}");
+    // 2 ζ f = 0.0078 Hz: a quarter of it in 1/0.0078 s.
+    let width = 0.02 * 6_f64.sqrt() / std::f64::consts::TAU;
+    let expected = 0.09 / (0.25 * width * width);
+    assert!((sweeps[0]["duration_s"].as_f64().ok_or("no duration")? / expected - 1.0).abs() < 1e-9);
+    let figure = fs::read_to_string(folder.path().join("out/responses.svg"))?;
+    assert!(figure.contains("0.2 N, swept up") && figure.contains("0.2 N, swept down"));
+    Ok(())
+}
+
+#[test]
+fn sweeps_that_cannot_be_are_refused() -> Outcome {
+    let folder = tempdir()?;
+    let shaken = ROD.replace("[[force]]\nat_m = 0.5\n", "[base_motion]\namplitude_m = 0.1\n");
+    let spring = format!("{ROD}[[spring]]\nat_m = 0.5\nlaw = {{ polynomial = [0.0, 0.0, 1.0] }}\n");
+    for (scene, expected) in [
+        (shaken.as_str(), "a base that is swept in time has an acceleration"),
+        (spring.as_str(), "springs with a law of force are not integrated in time"),
+    ] {
+        let levels = if scene.contains("base_motion") { "levels_m" } else { "levels_n" };
+        let output = run(folder.path(), &format!("{scene}{}", SWEPT.replace("levels_n", levels)), &[])?;
+        assert_eq!(output.status.code(), Some(2));
+        let text = said(&output);
+        assert!(text.contains(expected) && text.contains("sweep = true"), "{text}");
+    }
+    Ok(())
+}

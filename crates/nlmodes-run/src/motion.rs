@@ -1,0 +1,70 @@
+//! Periodic motions of results, and the states on them.
+
+use std::path::Path;
+
+use nlmodes::linalg::Mat;
+use nlmodes::modal::HarmonicCoefficients;
+use nlmodes_scene::scene::Scene;
+use num_complex::Complex64;
+
+use crate::responses::Model;
+use crate::verify::{VerifyError, results};
+
+/// A periodic motion of results as its harmonics.
+pub struct Motion {
+    /// Its angular frequency, rad/s.
+    pub omega: f64,
+    /// Coefficients of the displacements of the recorded degrees of freedom, m.
+    pub coefficients: HarmonicCoefficients,
+}
+
+impl Motion {
+    /// Reads a point of `harmonics.npz`.
+    ///
+    /// # Errors
+    /// [`VerifyError`] if there is none.
+    pub fn read(directory: &Path, point: usize) -> Result<Self, VerifyError> {
+        let path = directory.join(results::HARMONICS);
+        if !path.is_file() {
+            return Err(VerifyError::Missing { name: results::HARMONICS });
+        }
+        let (omega, coefficients, _) = results::read_motion(&path, point)?;
+        Ok(Self { omega, coefficients })
+    }
+}
+
+/// The scene of results.
+///
+/// # Errors
+/// [`VerifyError`] if there are none.
+pub fn scene_of(directory: &Path) -> Result<Scene, VerifyError> {
+    results::scene_of(directory)
+}
+
+/// The state at the beginning of a period of a motion of the degrees of freedom.
+///
+/// # Errors
+/// Why there is none, in words.
+pub fn state_of(motion: &Motion, model: &Model) -> Result<Vec<f64>, String> {
+    let (n, open) = (motion.coefficients.n_coordinates(), model.open_modes());
+    if n != open.n_dofs() || model.recorded.len() != n {
+        return Err(format!(
+            "harmonics.npz has the motion of {n} of {} degrees of freedom: the state in the modes is not known from these",
+            open.n_dofs()
+        ));
+    }
+    let at = |d: usize, order: i32| -> f64 {
+        let of = motion.coefficients.of(d).iter().enumerate();
+        of.map(|(n, q)| (Complex64::new(0.0, n as f64 * motion.omega).powi(order) * q).re).sum()
+    };
+    let moved = |d: usize| model.moved.get(d).copied().unwrap_or(0.0);
+    let q = Mat::from_fn(n, 2, |d, j| if j == 0 { at(d, 0) - moved(d) } else { at(d, 1) });
+    let eta = open.modal_coordinates(&q).ok_or("the mass of its displacements is not known")?;
+    let gaps = open.gaps();
+    // Where a dissipative stop stands is known while it is touched.
+    let stops = model.stop_dampers.iter().map(|&(contact, _)| {
+        let toward: f64 = model.contacts[contact].iter().map(|&(dof, w)| q[(dof, 0)] * w).sum();
+        (toward - gaps[contact]).max(0.0)
+    });
+    Ok((0..2).flat_map(|j| eta.col(j).iter().copied().collect::<Vec<f64>>()).chain(stops).collect())
+}

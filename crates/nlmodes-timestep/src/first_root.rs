@@ -1,0 +1,115 @@
+//! The first instant at which a smooth function becomes negative: none is missed.
+
+use crate::bracket::falls_below_zero;
+
+/// A smooth function of time with a bound of its third derivative.
+pub(crate) trait Guard {
+    /// The function, its first and second derivative.
+    fn evaluate(&self, t: f64) -> [f64; 3];
+
+    /// Bound of the magnitude of its third derivative at all times that are asked for.
+    fn third_derivative(&self) -> f64;
+
+    /// Scale of its rounding errors.
+    fn size(&self) -> f64;
+}
+
+/// Information on the sign of a guard within a cell.
+enum Cell {
+    /// Never negative.
+    Quiet,
+    /// First negative just beyond this instant.
+    Leaves(f64),
+    /// Not yet decided.
+    Unclear,
+}
+
+/// Smallest `t` in `[0, end]` at which `f`, not negative at 0, becomes negative.
+///
+/// In a cell of half-width r about m, `f` differs from its Taylor polynomial of second degree by at most `G r³/6`,
+/// `|f'''| ≤ G`. A cell has no root if that polynomial exceeds the difference; if `f` is proven to be monotone or of
+/// one curvature in it, its ends or its extremum decide; otherwise it is halved. Thus no pair of roots is missed,
+/// however close, and grazing is decided by the value at the extremum. Values above minus a few rounding errors of its
+/// size also count as no root: a guard may be zero all the time.
+pub(crate) fn first_negative(f: &impl Guard, end: f64) -> Option<f64> {
+    let (bound, noise) = (f.third_derivative(), 4.0 * f64::EPSILON * f.size());
+    if !(bound.is_finite() && noise.is_finite()) {
+        return None;
+    }
+    let resolution = 2.0 * f64::EPSILON * end;
+    let mut cells = vec![(0.0, end)];
+    while let Some((from, to)) = cells.pop() {
+        match judge(f, (from, to), bound, noise) {
+            Cell::Quiet => {}
+            Cell::Leaves(t) => return Some(t),
+            Cell::Unclear if to - from <= resolution => {
+                if f.evaluate(to)[0] < -noise {
+                    return Some(to);
+                }
+            }
+            Cell::Unclear => {
+                let middle = 0.5 * (from + to);
+                cells.extend([(middle, to), (from, middle)]);
+            }
+        }
+    }
+    None
+}
+
+fn judge(f: &impl Guard, (from, to): (f64, f64), bound: f64, noise: f64) -> Cell {
+    let (m, r) = (0.5 * (from + to), 0.5 * (to - from));
+    let [value, slope, curvature] = f.evaluate(m);
+    if lowest(value, slope, curvature, r) + noise >= bound * r * r * r / 6.0 {
+        return Cell::Quiet;
+    }
+    let at_end = || if f.evaluate(to)[0] < 0.0 { Cell::Leaves(root(f, 0, from, to)) } else { Cell::Quiet };
+    if slope.abs() > curvature.abs() * r + 0.5 * bound * r * r {
+        return if slope > 0.0 { Cell::Quiet } else { at_end() };
+    }
+    if curvature > bound * r {
+        let lowest = lowest_of_convex(f, from, to);
+        return if f.evaluate(lowest)[0] < 0.0 { Cell::Leaves(root(f, 0, from, lowest)) } else { Cell::Quiet };
+    }
+    if -curvature > bound * r {
+        return at_end();
+    }
+    Cell::Unclear
+}
+
+/// Where a convex function is lowest between `from` and `to`.
+pub(crate) fn lowest_of_convex(f: &impl Guard, from: f64, to: f64) -> f64 {
+    match (f.evaluate(from)[1] < 0.0, f.evaluate(to)[1] > 0.0) {
+        (false, _) => from,
+        (true, false) => to,
+        (true, true) => root(f, 1, from, to),
+    }
+}
+
+/// Where the derivative of the given order changes sign between `from` and `to`: f decreases through zero, f' increases
+/// through it.
+pub(crate) fn root(f: &impl Guard, order: usize, from: f64, to: f64) -> f64 {
+    let sign = if order == 0 { 1.0 } else { -1.0 };
+    let value_and_slope = |t: f64| {
+        let at = f.evaluate(t);
+        [sign * at[order], sign * at[order + 1]]
+    };
+    falls_below_zero(value_and_slope, from, to)
+}
+
+/// Smallest value of `value + slope s + ½ curvature s²` for `|s| ≤ r`.
+fn lowest(value: f64, slope: f64, curvature: f64, r: f64) -> f64 {
+    let at_ends = value - slope.abs() * r + 0.5 * curvature * r * r;
+    if curvature > 0.0 && slope.abs() < curvature * r { value - 0.5 * slope * slope / curvature } else { at_ends }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_parabola_is_lowest_at_its_vertex_or_at_an_end() {
+        assert_eq!(lowest(1.0, 0.5, 4.0, 1.0), 1.0 - 0.5 * 0.25 / 4.0);
+        assert_eq!(lowest(1.0, 0.5, 0.2, 1.0), 1.0 - 0.5 + 0.1);
+        assert_eq!(lowest(1.0, -0.5, -0.2, 1.0), 1.0 - 0.5 - 0.1);
+    }
+}

@@ -1,0 +1,140 @@
+use nlmodes_linalg::Mat;
+
+use crate::first_root::{Guard, first_negative, root};
+use crate::phase::{dot, transposed_product};
+
+/// Order of the power series of a step: with `‖𝒜‖ h ≤ 2` the remainder is below `2²⁷ / 27! = 2e-20` of the state.
+pub(super) const ORDER: usize = 26;
+
+/// A row along the flow of a step of length `h`, `r e^{𝒜 h τ} w = Σ_k (r_k w) τ^k` with `r_k = r (h 𝒜)^k / k!`.
+#[derive(Debug, Clone)]
+pub(super) struct Series {
+    rows: Vec<Vec<f64>>,
+    /// The integral over a whole step.
+    whole: Vec<f64>,
+}
+
+/// `Σ_k a_k τ^k` for τ from 0 to 1.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Polynomial {
+    pub a: [f64; ORDER + 1],
+    /// Scale of its rounding errors.
+    pub size: f64,
+}
+
+impl Series {
+    pub fn new(row: &[f64], matrix: &Mat<f64>, step: f64) -> Self {
+        let mut rows = vec![row.to_vec()];
+        for k in 1..=ORDER {
+            let mut next = transposed_product(matrix, &rows[k - 1]);
+            next.iter_mut().for_each(|v| *v *= step / k as f64);
+            rows.push(next);
+        }
+        let integral = |j: usize| rows.iter().enumerate().map(|(k, row)| row[j] / (k + 1) as f64).sum::<f64>();
+        let whole = (0..row.len()).map(integral).collect();
+        Self { rows, whole }
+    }
+
+    /// The polynomial from the state `w` on.
+    pub fn from(&self, w: &[f64]) -> Polynomial {
+        let mut a = [0.0; ORDER + 1];
+        self.rows.iter().zip(&mut a).for_each(|(row, a)| *a = dot(row, w));
+        Polynomial { a, size: size(&self.rows[0], w) }
+    }
+
+    /// The row.
+    pub fn row(&self) -> &[f64] {
+        &self.rows[0]
+    }
+
+    /// Its first four coefficients.
+    pub fn leading(&self, w: &[f64]) -> [f64; 4] {
+        [0, 1, 2, 3].map(|k| dot(&self.rows[k], w))
+    }
+
+    /// `∫ dτ` over the whole step from the state `w` on.
+    pub fn integral(&self, w: &[f64]) -> f64 {
+        dot(&self.whole, w)
+    }
+
+    /// Value and slope over a step at `w`.
+    pub fn value_and_slope(&self, w: &[f64]) -> [f64; 2] {
+        [dot(&self.rows[0], w), dot(&self.rows[1], w)]
+    }
+}
+
+/// Scale of the rounding errors of a row at `w`.
+pub(super) fn size(row: &[f64], w: &[f64]) -> f64 {
+    row.iter().zip(w).map(|(r, w)| (r * w).abs()).sum()
+}
+
+impl Polynomial {
+    /// First τ up to `end` at which it becomes negative.
+    pub fn first_negative(&self, end: f64) -> Option<f64> {
+        first_negative(self, end)
+    }
+
+    /// Largest value up to `end`: where the slope falls through zero between samples, four for each radian of a step.
+    pub fn highest(&self, end: f64) -> f64 {
+        const CELLS: usize = 8;
+        let negated = Self { a: self.a.map(|a| -a), size: self.size };
+        let at = |j: usize| end * j as f64 / CELLS as f64;
+        let mut most = self.evaluate(0.0)[0].max(self.evaluate(end)[0]);
+        for j in 0..CELLS {
+            let (from, to) = (negated.evaluate(at(j)), negated.evaluate(at(j + 1)));
+            if from[1] < 0.0 && to[1] > 0.0 {
+                most = most.max(self.evaluate(root(&negated, 1, at(j), at(j + 1)))[0]);
+            }
+        }
+        most
+    }
+
+    /// `∫ dτ` from 0 to `end`.
+    pub fn integral(&self, end: f64) -> f64 {
+        let sum = (0..=ORDER).rev().fold(0.0, |sum, k| sum * end + self.a[k] / (k + 1) as f64);
+        sum * end
+    }
+}
+
+impl Guard for Polynomial {
+    fn evaluate(&self, t: f64) -> [f64; 3] {
+        let [mut value, mut slope, mut half] = [0.0; 3];
+        for a in self.a.iter().rev() {
+            half = half * t + slope;
+            slope = slope * t + value;
+            value = value * t + a;
+        }
+        [value, slope, 2.0 * half]
+    }
+
+    fn third_derivative(&self) -> f64 {
+        (3..=ORDER).map(|k| (k * (k - 1) * (k - 2)) as f64 * self.a[k].abs()).sum()
+    }
+
+    fn size(&self) -> f64 {
+        self.size
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cosine_along_a_turn_has_its_values_roots_extremes_and_integral() {
+        let turn = Mat::from_fn(2, 2, |i, j| [[0.0, 2.0], [-2.0, 0.0]][i][j]);
+        let of = Series::new(&[1.0, 0.0], &turn, 1.0).from(&[0.6_f64.cos(), -0.6_f64.sin()]);
+        for τ in [0.0_f64, 0.2, 0.7, 1.0] {
+            let (sin, cos) = (0.6 + 2.0 * τ).sin_cos();
+            let found = of.evaluate(τ);
+            [cos, -2.0 * sin, -4.0 * cos].iter().zip(found).for_each(|(a, b)| assert!((a - b).abs() < 2e-15));
+        }
+        let quarter = 0.25 * std::f64::consts::PI - 0.3;
+        assert!((of.first_negative(1.0).unwrap() - quarter).abs() < 1e-15);
+        assert!(of.first_negative(quarter - 1e-9).is_none());
+        assert!((of.integral(0.8) - 0.5 * (2.2_f64.sin() - 0.6_f64.sin())).abs() < 1e-15);
+        assert_eq!(of.highest(1.0), of.a[0]);
+        let rising = Series::new(&[1.0, 0.0], &turn, 1.0).from(&[(-0.6_f64).cos(), 0.6_f64.sin()]);
+        assert!((rising.highest(1.0) - 1.0).abs() < 1e-15);
+    }
+}

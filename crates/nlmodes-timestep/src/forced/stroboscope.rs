@@ -1,0 +1,78 @@
+use std::f64::consts::TAU;
+
+use super::ForcedMotion;
+use super::ForcedStructure;
+use super::input::fits;
+use super::trajectory::{Propagator, transition};
+use crate::TimestepError;
+use crate::phase::{dot, product};
+
+/// Powers of the transition matrix by which the direction of its largest multiplier is found.
+const POWERS: usize = 200;
+
+impl ForcedStructure {
+    /// Follows the motion from a state at the beginning of a period of the load, and shows so many states of each
+    /// period with the observed displacements there (m), the first one after `1/n` of the first period, for as long as
+    /// `goes_on`.
+    ///
+    /// # Errors
+    /// As [`periodic`](Self::periodic).
+    pub fn flash(
+        &self,
+        (level, omega): (f64, f64),
+        state: &[f64],
+        n: usize,
+        goes_on: &mut dyn FnMut(&[f64], &[f64]) -> bool,
+    ) -> Result<(), TimestepError> {
+        fits("entries of the state", self.n_states(), state)?;
+        for (what, value) in [("frequency (rad/s)", omega), ("states of a period", n as f64)] {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(TimestepError::NotPositive { what, value });
+            }
+        }
+        let mut propagator = Propagator::new(self, omega, level)?;
+        let mut x = self.in_units(state, self.rate().recip());
+        loop {
+            let mut running = propagator.start(self.augmented(&x, omega, 0.0), 0.0)?;
+            for k in 1..=n {
+                let until = TAU / omega * k as f64 / n as f64;
+                while propagator.advance(&mut running, until)?.is_some() {}
+                let observed: Vec<f64> = running.flow.observed.iter().map(|row| dot(row.row(), &running.w)).collect();
+                if !goes_on(&self.in_units(&running.w[..self.n_states()], self.rate()), &observed) {
+                    return Ok(());
+                }
+            }
+            x.copy_from_slice(&running.w[..self.n_states()]);
+        }
+    }
+
+    /// The direction of the largest multiplier of a motion, or one in the plane of a complex pair: what becomes of any
+    /// disturbance after many periods. Its largest entry, with rates over the highest frequency, is as large as that of
+    /// the state of the motion.
+    ///
+    /// # Errors
+    /// [`TimestepError::Linalg`].
+    pub fn disturbance(&self, motion: &ForcedMotion) -> Result<Vec<f64>, TimestepError> {
+        let n = self.n_states();
+        let over = transition(&motion.pieces, n)?;
+        let largest = |x: &[f64]| x.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+        let mut x: Vec<f64> = (0..n).map(|i| 1.0 / (1 + i % 7) as f64).collect();
+        for _ in 0..POWERS {
+            x = product(&over, &x);
+            let size = largest(&x);
+            if size == 0.0 || !size.is_finite() {
+                break;
+            }
+            x.iter_mut().for_each(|v| *v /= size);
+        }
+        let size = largest(&self.in_units(&motion.state, self.rate().recip()));
+        x.iter_mut().for_each(|v| *v *= size);
+        Ok(self.in_units(&x, self.rate()))
+    }
+
+    /// Largest difference of two states, with rates over the highest frequency, relative to the larger of them.
+    pub fn distance(&self, a: &[f64], b: &[f64]) -> f64 {
+        let rate = self.rate().recip();
+        super::shooting::distance(&self.in_units(a, rate), &self.in_units(b, rate))
+    }
+}
