@@ -15,6 +15,7 @@ mod messages;
 mod reduced_elsewhere;
 mod responses;
 mod results_files;
+mod segments;
 mod shooting;
 mod sliding;
 mod springs;
