@@ -17,7 +17,7 @@ pub fn run(file: &SceneFile<RecordScene>, options: RunOptions) -> Status {
     };
     for outcome in &outcomes {
         if let Err(error) = &outcome.result {
-            say!("warning: {}: no modal point: {}", outcome.record, chain(error));
+            say!("warning: {}: no modal point: {}", outcome.name(), chain(error));
         }
     }
     if !options.quiet {

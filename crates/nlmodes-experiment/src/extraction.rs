@@ -38,6 +38,7 @@ mod result;
 mod scale;
 mod settings;
 mod skew;
+mod steady;
 mod values;
 mod window;
 
@@ -49,4 +50,5 @@ pub use measured::Measured;
 pub use power::ExcitationPower;
 pub use result::{ContactFigures, ExcitationFigures, ModalFigures, RecordExtraction};
 pub use settings::{ExtractionSettings, Stop, Tolerances};
+pub use steady::{Steadiness, steady_stretches};
 pub use window::FEWEST_PERIODS;

@@ -239,14 +239,25 @@ impl Session {
     /// # Errors
     /// As [`Session::ramp`].
     pub fn record(&mut self, duration: f64) -> Result<(Record, SteadyState), RigError> {
+        self.record_ramp(self.amplitude, duration)
+    }
+
+    /// The same while the amplitude of the drive changes linearly to `amplitude`: as a recorder that runs through a
+    /// whole test.
+    ///
+    /// # Errors
+    /// As [`Session::ramp`].
+    pub fn record_ramp(&mut self, amplitude: f64, duration: f64) -> Result<(Record, SteadyState), RigError> {
+        let (from, to) = (self.amplitude, finite("level", amplitude)?);
         let samples = self.samples(duration)?;
+        let at = |taken: usize| from + ((taken + 1) as f64 / samples.max(1) as f64).min(1.0) * (to - from);
         let mut record = self.empty_record(samples)?;
         let mut window = Window::new(usize::MAX, self.angle());
         let (force, response) = (self.force, self.response);
         let sensors = record.channels.len() - 1;
         let mut taken = 0;
         while taken < samples || window.periods.is_empty() {
-            self.sample(self.amplitude, |readings, state| {
+            self.sample(at(taken), |readings, state| {
                 let mut values = [0.0; 2];
                 for (index, samples_of) in record.samples[..sensors].iter_mut().enumerate() {
                     let value = readings(index)?;

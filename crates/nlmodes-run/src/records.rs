@@ -3,6 +3,7 @@
 pub(crate) mod figures;
 mod modes;
 pub(crate) mod page;
+mod segments;
 pub(crate) mod summary;
 pub(crate) mod table;
 mod words;
@@ -15,6 +16,7 @@ use nlmodes_scene::{RecordScene, SceneError, SceneFile};
 use crate::claim::Claim;
 use crate::overlay::{self, Laid, Overlaid};
 use crate::{Failure, Observer, Over, RunError, chain, links, refusal};
+pub use segments::Segment;
 use table::Table;
 pub use words::in_words;
 
@@ -23,6 +25,8 @@ pub use words::in_words;
 pub struct RecordOutcome {
     /// Name of its file, or of its level.
     pub record: String,
+    /// Which part of the record it is, where it is one of several.
+    pub segment: Option<Segment>,
     /// Level of the drive, where it is known.
     pub level: Option<f64>,
     /// Names of what was found while the record was made, before the extraction.
@@ -32,6 +36,11 @@ pub struct RecordOutcome {
 }
 
 impl RecordOutcome {
+    /// Name of the record, with that of its segment.
+    pub fn name(&self) -> String {
+        self.segment.as_ref().map_or_else(|| self.record.clone(), |segment| segment.of(&self.record))
+    }
+
     /// Names of all findings, each once, separated by spaces.
     pub fn finding_names(&self) -> String {
         let extracted = self.result.as_ref().map_or_else(ExtractionError::names, RecordExtraction::finding_names);
@@ -61,13 +70,7 @@ pub fn extract(
     let laid = overlay::laid_over(file, &file.scene.overlays, observer)?;
     let claim = claim(file, over, observer)?;
     let scene = with_modes(file)?;
-    let extracted = |(name, record): (String, Record)| RecordOutcome {
-        record: name,
-        level: None,
-        findings: Vec::new(),
-        result: extract_record(&record, &scene.settings),
-    };
-    let outcomes: Vec<RecordOutcome> = read(file)?.into_iter().map(extracted).collect();
+    let outcomes = read_all(file, &scene)?;
     claim.take_at_once()?;
     write(&scene, &outcomes, &laid).map_err(RunError::Files)?;
     Ok(outcomes)
@@ -83,15 +86,45 @@ pub fn extract_tables(
 ) -> Result<Vec<RecordOutcome>, RunError> {
     let scene = with_modes(file)?;
     let recording = &scene.recording;
-    let extracted = |(name, table): (String, RecordTable)| {
-        let record = table.into_record(&name, &recording.channels, recording.sample_rate).map_err(|error| {
+    let mut outcomes = Vec::new();
+    for (name, table) in tables {
+        let number = scene.files.iter().position(|file| *file == name);
+        let flags = segments::flags(&scene, number);
+        let record = table.into_flagged_record(&name, &recording.channels, &flags, recording.sample_rate);
+        let record = record.map_err(|error| {
             let title = format!("the record \"{name}\" cannot be used: {}", chain(&error));
             file.error_at("recording", &title, "", help(&error))
         })?;
-        let result = extract_record(&record, &scene.settings);
-        Ok(RecordOutcome { record: name, level: None, findings: Vec::new(), result })
-    };
-    tables.into_iter().map(extracted).collect()
+        outcomes.extend(of_record(file, &scene, number, record)?);
+    }
+    Ok(outcomes)
+}
+
+/// The levels of a record, each with what was extracted; `number` is that of its file.
+///
+/// # Errors
+/// [`SceneError`] for a segment that the record does not have, or that is too short.
+fn of_record(
+    file: &SceneFile<RecordScene>,
+    scene: &RecordScene,
+    number: Option<usize>,
+    record: Record,
+) -> Result<Vec<RecordOutcome>, SceneError> {
+    let name = number.map_or_else(|| record.name.clone(), |number| scene.files[number].clone());
+    let outcome =
+        |segment, result| RecordOutcome { record: name.clone(), segment, level: None, findings: Vec::new(), result };
+    let levels = segments::levels(file, scene, number, &record)?;
+    if levels.is_empty() {
+        return Ok(vec![outcome(None, extract_record(&record, &scene.settings))]);
+    }
+    let mut outcomes = Vec::new();
+    for level in levels {
+        let part = record.part(level.segment.of(&record.name), level.samples.clone());
+        let result = extract_record(&part, &scene.settings);
+        level.long_enough(file, &name, &result)?;
+        outcomes.push(outcome(Some(level.segment), result));
+    }
+    Ok(outcomes)
 }
 
 /// The text of `modal_points.csv`, with the participation of so many modes.
@@ -99,9 +132,16 @@ pub fn extract_tables(
 /// # Errors
 /// None but those of a writer to memory.
 pub fn table_of(outcomes: &[RecordOutcome], modes: usize) -> Result<Vec<u8>, Failure> {
+    table_with(outcomes, modes).into_bytes()
+}
+
+fn table_with(outcomes: &[RecordOutcome], modes: usize) -> Table {
     let mut table = Table::new(modes, None);
+    if outcomes.iter().any(|outcome| outcome.segment.is_some()) {
+        table = table.with_segments();
+    }
     outcomes.iter().for_each(|outcome| table.push(outcome));
-    table.into_bytes()
+    table
 }
 
 /// The output directory; its records are known by their names.
@@ -151,20 +191,21 @@ fn unusable(file: &SceneFile<RecordScene>, i: usize, name: &str, error: &RecordE
     file.error_at(&format!("recording.files.{i}"), &title, "this file", help(error))
 }
 
-/// All records with the names of their files.
+/// Reads one record after the other and extracts from it, so that one at a time is in memory.
 ///
 /// # Errors
-/// [`RunError::Scene`] with each that cannot be read, at its place in the scene.
-fn read(file: &SceneFile<RecordScene>) -> Result<Vec<(String, Record)>, RunError> {
-    let scene = &file.scene;
-    let (mut records, mut refused) = (Vec::new(), Vec::new());
+/// [`RunError::Scene`] with each that cannot be read or has not the segments of the scene, at its place there.
+fn read_all(file: &SceneFile<RecordScene>, scene: &RecordScene) -> Result<Vec<RecordOutcome>, RunError> {
+    let (mut outcomes, mut refused) = (Vec::new(), Vec::new());
     for (i, name) in scene.files.iter().enumerate() {
-        match scene.recording.read(&scene.base.join(name)) {
-            Ok(record) => records.push((name.clone(), record)),
-            Err(error) => refused.push(unusable(file, i, name, &error)),
+        let record = scene.recording.read_flagged(&scene.base.join(name), &segments::flags(scene, Some(i)));
+        let found = record.map_err(|error| unusable(file, i, name, &error));
+        match found.and_then(|record| of_record(file, scene, Some(i), record)) {
+            Ok(found) => outcomes.extend(found),
+            Err(error) => refused.push(error),
         }
     }
-    refused.into_iter().reduce(SceneError::with).map_or(Ok(records), |error| Err(error.into()))
+    refused.into_iter().reduce(SceneError::with).map_or(Ok(outcomes), |error| Err(error.into()))
 }
 
 fn help(error: &RecordError) -> &'static [&'static str] {
@@ -173,6 +214,9 @@ fn help(error: &RecordError) -> &'static [&'static str] {
         RecordError::NoColumn { .. } => &["`recording.time_column` names the column of the time"],
         RecordError::RateDisagrees { .. } => {
             &["`recording.sample_rate_hz` must agree with the file; leave it out to take the file's"]
+        }
+        RecordError::NoFlag { .. } => {
+            &["`segment.flag` is any of the names of a column; of files without names its number"]
         }
         RecordError::NoChannels { .. } | RecordError::Ambiguous { .. } => {
             &["`channel.name` is any of the names of a column, as they stand between the signs ="]
@@ -188,9 +232,7 @@ fn help(error: &RecordError) -> &'static [&'static str] {
 fn write(scene: &RecordScene, outcomes: &[RecordOutcome], laid: &[Laid]) -> Result<(), Failure> {
     let directory = &scene.output_directory;
     let modes = scene.settings.linear_modes.as_ref().map_or(0, |modes| modes.n_modes());
-    let mut table = Table::new(modes, None);
-    outcomes.iter().for_each(|outcome| table.push(outcome));
-    table.write(&directory.join("modal_points.csv"))?;
+    table_with(outcomes, modes).write(&directory.join("modal_points.csv"))?;
     summary::write(directory, scene, outcomes)?;
     let drawn = figures::write(directory, &scene.title, outcomes, laid)?;
     let against = Overlaid::of_test(figures::of_records(outcomes).as_ref(), laid);

@@ -306,7 +306,7 @@ fn admit_test(file: &SceneFile<TestScene>, limit: Option<Limit>) -> Result<(), S
     Err(file.error_at("virtual_test.schedule", &title, &label, &[&limit.help(needed)]))
 }
 
-/// The same for measured records, which are read all at once.
+/// The same for measured records, which are read one after the other.
 ///
 /// # Errors
 /// The message at its place in the scene.
@@ -314,12 +314,12 @@ fn admit_records(file: &SceneFile<RecordScene>, limit: Option<Limit>) -> Result<
     let (scene, limit) = (&file.scene, limit.unwrap_or_else(Limit::of_machine));
     let bytes = |name: &String| fs::metadata(scene.base.join(name)).map_or(0.0, |data| data.len() as f64);
     // Two bytes of a sound file become a number of eight; text and its numbers are there at the same time.
-    let needed = 4.0 * scene.files.iter().map(bytes).sum::<f64>();
+    let needed = 4.0 * scene.files.iter().map(bytes).fold(0.0, f64::max);
     if needed <= limit.0 {
         return Ok(());
     }
     let title = format!("the records need some {} of memory", text(needed));
-    Err(file.error_at("recording.files", &title, "all of these files", &[&limit.help(needed)]))
+    Err(file.error_at("recording.files", &title, "the largest of these files", &[&limit.help(needed)]))
 }
 
 #[cfg(test)]

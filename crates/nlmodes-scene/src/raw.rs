@@ -19,7 +19,9 @@ mod virtual_test;
 pub use matrices::{NameOrNumbers, NumberOrName, RawMatrices, RawMatrixScene, RawNodeContact, RawNormal};
 pub use method::{DEFAULT_MAX_HARMONICS, RawMethod};
 pub use parts::{RawSegment, RawSpring};
-pub use records::{RawChannel, RawExtraction, RawLinearModes, RawPbmifHarmonics, RawRecordScene, RawStop};
+pub use records::{
+    RawChannel, RawExtraction, RawLinearModes, RawPbmifHarmonics, RawRecordScene, RawRecordSegment, RawStop,
+};
 pub use reduced::{RawReduced, RawReducedScene, RawRowContact};
 pub use response::{
     RawBaseMotion, RawDamping, RawDashpot, RawDirection, RawForce, RawModeDamping, RawPlace, RawResponse,

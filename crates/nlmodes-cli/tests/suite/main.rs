@@ -16,6 +16,7 @@ mod reduced_elsewhere;
 mod responses;
 mod results_files;
 mod settle;
+mod segments;
 mod shooting;
 mod sliding;
 mod springs;

@@ -6,6 +6,7 @@ use std::ops::Range;
 use crate::extraction::frequency::{from_phase, refine};
 use crate::extraction::guess::Spectrum;
 use crate::extraction::layout::Layout;
+use crate::extraction::measured::spread;
 use crate::extraction::{ExtractionError, ExtractionSettings, Finding, Measured, loss};
 use crate::records::Record;
 
@@ -17,6 +18,8 @@ pub const FREQUENCY_HARMONICS: usize = 40;
 const AROUND: f64 = 1.2;
 /// Factor about the frequency of the linear mode within which that of its nonlinear mode is searched first.
 const FAR: f64 = 3.0;
+/// Samples of a stretch of a long record by which its frequency is first guessed.
+const STRETCH: usize = 1 << 18;
 /// Most places at which lost samples are looked for.
 const MAX_LOSSES: usize = 4;
 
@@ -70,6 +73,9 @@ pub fn choose(
     let name = || record.channels[reference].name.clone();
     let lost = || ExtractionError::NoFrequency { guess_hz: guess / TAU, channel: name() };
     // A record whose frequency changes has no common one: its last periods may.
+    let stretch = liveliest(samples);
+    let nearer = if stretch.len() < samples.len() { find(&samples[stretch], guess, rate) } else { None };
+    let guess = nearer.unwrap_or(guess);
     let omega = find(samples, guess, rate).unwrap_or(guess);
     let sound = without_losses(samples, omega / rate, findings);
     let samples = &samples[sound.clone()];
@@ -120,9 +126,21 @@ fn without_losses(samples: &[f64], step: f64, findings: &mut Vec<Finding>) -> Ra
     sound
 }
 
+/// The part of a long record with the largest scatter, for a first guess; all of a shorter one.
+fn liveliest(samples: &[f64]) -> Range<usize> {
+    let n = samples.len();
+    if n < 2 * STRETCH {
+        return 0..n;
+    }
+    let of = |k: usize| k * STRETCH..(k + 1) * STRETCH;
+    let scatter = |k: &usize| spread(&samples[of(*k)]);
+    // The last one where all are alike.
+    (0..n / STRETCH).max_by(|a, b| scatter(a).total_cmp(&scatter(b))).map_or(0..n, of)
+}
+
 /// First guess of the frequency, rad/s: the peak next to the given one, or that of the phase channel, or the strongest
 /// line of the reference.
-fn guess(
+pub fn guess(
     record: &Record,
     layout: &Layout,
     settings: &ExtractionSettings,
@@ -132,7 +150,8 @@ fn guess(
         let channel = &record.channels[phase];
         return Ok(from_phase(&record.samples[phase], record.sample_rate, &channel.name)?.value);
     }
-    let spectrum = |i: usize| Spectrum::new(&record.samples[i][..record.n_samples()]);
+    let stretch = liveliest(&record.samples[reference][..record.n_samples()]);
+    let spectrum = |i: usize| Spectrum::new(&record.samples[i][stretch.clone()]);
     let channel = &record.channels[reference];
     let lost = || ExtractionError::NoFrequency { guess_hz: 0.0, channel: channel.name.clone() };
     let own = match (spectrum(reference), settings.omega) {

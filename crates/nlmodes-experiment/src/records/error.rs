@@ -133,6 +133,14 @@ pub enum RecordError {
         /// The columns that are there, each with all of its names.
         columns: String,
     },
+    /// A flag of segments that the file does not have.
+    #[error("there is no channel \"{flag}\" that tells while a level is held; the file has: {columns}")]
+    NoFlag {
+        /// Its name in the scene.
+        flag: String,
+        /// The columns that are there, each with all of its names.
+        columns: String,
+    },
     /// No described channel is in the file.
     #[error("no channel of the scene is in the file: described are {described}; the file has: {columns}")]
     NoChannels {

@@ -24,8 +24,16 @@ impl Recording {
     /// # Errors
     /// [`RecordError`].
     pub fn read(&self, path: &Path) -> Result<Record, RecordError> {
+        self.read_flagged(path, &[])
+    }
+
+    /// The same with columns that tell while a level is held, see [`RecordTable::into_flagged_record`].
+    ///
+    /// # Errors
+    /// [`RecordError`].
+    pub fn read_flagged(&self, path: &Path, flags: &[&str]) -> Result<Record, RecordError> {
         let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        self.read_table(path)?.into_record(&name, &self.channels, self.sample_rate)
+        self.read_table(path)?.into_flagged_record(&name, &self.channels, flags, self.sample_rate)
     }
 
     /// Whether there is such a file, of a kind that can be read; it is not read.

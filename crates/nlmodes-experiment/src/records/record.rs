@@ -1,4 +1,6 @@
-use crate::records::{Channel, Column, RecordTable, Remark, Role, SampleRate};
+use std::ops::Range;
+
+use crate::records::{Channel, Column, Flag, RecordTable, Remark, Role, SampleRate};
 
 /// Channels that were sampled together, in SI units.
 #[derive(Debug, Clone, PartialEq)]
@@ -9,6 +11,10 @@ pub struct Record {
     pub sample_rate: f64,
     /// Largest relative error of the sampling rate, from the digits of headers and time stamps; zero where it is known.
     pub rate_error: f64,
+    /// Instant of the first sample on the time axis of the file, s; zero where the file has none.
+    pub start: f64,
+    /// Which samples belong to levels that are held, where the file has channels that tell it.
+    pub flags: Vec<Flag>,
     /// The channels.
     pub channels: Vec<Channel>,
     /// Samples of each channel, in the SI unit of its quantity; all of the same length.
@@ -28,6 +34,8 @@ impl Record {
             name: name.into(),
             sample_rate,
             rate_error: 0.0,
+            start: 0.0,
+            flags: vec![],
             channels: vec![],
             samples: vec![],
             missing: vec![],
@@ -52,6 +60,38 @@ impl Record {
     /// Duration, s.
     pub fn duration(&self) -> f64 {
         self.n_samples() as f64 / self.sample_rate
+    }
+
+    /// The time from its first sample to behind its last one, s on the time axis of the file.
+    pub fn span(&self) -> [f64; 2] {
+        [self.start, self.start + self.duration()]
+    }
+
+    /// The samples from one instant to another, s on the time axis of the file; `None` where the record has not all of
+    /// them, to half a sample.
+    pub fn between(&self, from: f64, to: f64) -> Option<Range<usize>> {
+        let [first, end] = [from, to].map(|t| ((t - self.start) * self.sample_rate).round());
+        let has = first >= 0.0 && end > first && end <= self.n_samples() as f64;
+        has.then_some(first as usize..end as usize)
+    }
+
+    /// These samples as a record of their own: as if nothing else had been recorded.
+    ///
+    /// # Panics
+    /// If the record has not all of them.
+    #[must_use]
+    pub fn part(&self, name: impl Into<String>, samples: Range<usize>) -> Self {
+        Self {
+            name: name.into(),
+            start: self.start + samples.start as f64 / self.sample_rate,
+            flags: vec![],
+            samples: self.samples.iter().map(|channel| channel[samples.clone()].to_vec()).collect(),
+            channels: self.channels.clone(),
+            missing: self.missing.clone(),
+            unused: self.unused.clone(),
+            remarks: self.remarks.clone(),
+            ..*self
+        }
     }
 
     /// Numbers of the channels with this role.

@@ -1,4 +1,4 @@
-use crate::records::{Channel, Declared, Record, RecordError, SampleRate, Start, common_time};
+use crate::records::{Channel, Declared, Flag, Quantity, Record, RecordError, Role, SampleRate, Start, common_time};
 
 /// Relative difference of sampling rates within a file that counts as agreement.
 const AGREEMENT: f64 = 1e-6;
@@ -53,12 +53,23 @@ impl RecordTable {
     ///
     /// # Errors
     /// [`RecordError`] if rates or lengths disagree, if names are ambiguous, or if there is nothing to take.
-    pub fn into_record(
+    pub fn into_record(self, name: &str, channels: &[Channel], rate_hz: Option<f64>) -> Result<Record, RecordError> {
+        self.into_flagged_record(name, channels, &[], rate_hz)
+    }
+
+    /// The same with [`Record::flags`]: columns that tell while which samples a level is held. A flag has any name of
+    /// its column; in a file without names it is the number of the column, from 1, and the channels are the others.
+    ///
+    /// # Errors
+    /// Those of [`Self::into_record`]; [`RecordError::NoFlag`].
+    pub fn into_flagged_record(
         mut self,
         name: &str,
         channels: &[Channel],
+        flags: &[&str],
         rate_hz: Option<f64>,
     ) -> Result<Record, RecordError> {
+        let flags = self.flags(flags, channels)?;
         if !self.named && self.columns.len() != channels.len() {
             return Err(RecordError::ChannelCount { found: self.columns.len(), described: channels.len() });
         }
@@ -74,11 +85,30 @@ impl RecordTable {
             channel.scale()?;
             column.declared.check(channel, &mut remarks)?;
         }
+        let n_channels = picked.len();
+        picked.extend(flags);
+        let start = picked.iter().filter_map(|(_, column)| Some(column.start?.at)).reduce(f64::max).unwrap_or(0.0);
         common_time::cut(&mut picked, sample_rate, &mut remarks)?;
         check_lengths(&picked)?;
+        let flags = picked.drain(n_channels..).map(|(flag, column)| Flag::new(flag.name, &column.values)).collect();
         let rate_error = sample_rate.relative_error;
-        let record = Record { missing, unused, remarks, rate_error, ..Record::new(name, sample_rate.hz) };
+        let record = Record { missing, unused, remarks, rate_error, start, flags, ..Record::new(name, sample_rate.hz) };
         Self::described(picked, record)
+    }
+
+    /// The columns of the flags; one that is a described channel, too, stays in the table.
+    fn flags(&mut self, flags: &[&str], channels: &[Channel]) -> Result<Picked, RecordError> {
+        let mut found = Picked::new();
+        for flag in flags {
+            let lost = || RecordError::NoFlag { flag: (*flag).to_owned(), columns: self.unused().join("; ") };
+            let at = self.find(flag)?.ok_or_else(lost)?;
+            let is_described =
+                self.named && channels.iter().any(|c| matches!(self.find(&c.name), Ok(Some(i)) if i == at));
+            let column = if is_described { self.columns[at].clone() } else { self.columns.remove(at) };
+            // It takes part in what columns have in common, not in what channels measure.
+            found.push((Channel::new(*flag, Quantity::Phase, Role::ExcitationPhase, None), column));
+        }
+        Ok(found)
     }
 
     /// The columns that the channels describe, and the names of channels that have none.

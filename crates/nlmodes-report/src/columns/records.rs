@@ -6,6 +6,9 @@ row! {
     /// A record, or a level of a test, of `modal_points.csv`.
     ModalPointRow {
         record: String, "", "name of the record, or of the level of a test";
+        segment: Sometimes<String>, "", "of records with several levels: which of them";
+        from_s: Sometimes<Option<f64>>, "s", "of records with several levels: its first instant";
+        to_s: Sometimes<Option<f64>>, "s", "of records with several levels: its end";
         drive_v: Sometimes<Option<f64>>, "V", "of a test: amplitude of the signal to the exciter";
         drive_n: Sometimes<Option<f64>>, "N", "of a test with an ideal force: its amplitude";
         frequency_hz: Option<f64>, "Hz", "frequency of the vibration";

@@ -6,5 +6,6 @@ mod extracted;
 mod forced_response;
 mod hostile;
 mod integration;
+mod long_records;
 mod phase_resonance;
 mod schedule;

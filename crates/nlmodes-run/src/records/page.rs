@@ -100,7 +100,7 @@ fn points(outcomes: &[RecordOutcome]) -> DataTable {
         };
         table.rows.push(vec![
             // A name, even one that begins with a digit.
-            format!(" {}", outcome.record),
+            format!(" {}", outcome.name()),
             outcome.level.map_or_else(|| "–".to_owned(), number),
             found.map_or_else(|| "–".to_owned(), |found| format!("{:.5}", found.omega.value / TAU)),
             text(&|found| Some(found.modal.as_ref()?.amplitude)),
@@ -127,7 +127,7 @@ fn findings(outcomes: &[RecordOutcome]) -> DataTable {
     let mut table = DataTable::new("Findings", &["record", "finding", "what it says"]);
     for outcome in outcomes {
         let mut row = |name: &str, text: String| {
-            table.rows.push(vec![format!(" {}", outcome.record), name.to_owned(), format!(" {text}")]);
+            table.rows.push(vec![format!(" {}", outcome.name()), name.to_owned(), format!(" {text}")]);
         };
         match &outcome.result {
             Ok(found) => found.findings.iter().for_each(|finding| row(finding.name(), finding.to_string())),

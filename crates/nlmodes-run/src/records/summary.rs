@@ -22,6 +22,15 @@ pub fn write(directory: &Path, scene: &RecordScene, outcomes: &[RecordOutcome]) 
 
 /// What was taken from a record.
 pub fn record(outcome: &RecordOutcome) -> Value {
+    let mut told = told(outcome);
+    if let (Some(segment), Some(told)) = (&outcome.segment, told.as_object_mut()) {
+        let told_of_it = json!({ "name": segment.name, "from_s": segment.from, "to_s": segment.to });
+        told.insert("segment".into(), told_of_it);
+    }
+    told
+}
+
+fn told(outcome: &RecordOutcome) -> Value {
     match &outcome.result {
         Ok(found) => json!({
             "record": outcome.record,

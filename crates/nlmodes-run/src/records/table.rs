@@ -7,7 +7,7 @@ use nlmodes::experiment::extraction::{Measured, RecordExtraction};
 use nlmodes::report::columns::{ModalPointRow, Numbered, Row, Sometimes};
 use nlmodes::report::{ReportError, write_rows, write_rows_to};
 
-use super::RecordOutcome;
+use super::{RecordOutcome, Segment};
 use crate::Failure;
 
 /// Least number of participation columns.
@@ -44,13 +44,28 @@ impl Table {
         Self { like, drive, rows: Vec::new() }
     }
 
+    /// With columns for the segment of each record.
+    #[must_use]
+    pub fn with_segments(mut self) -> Self {
+        self.like.segment = Sometimes(Some(String::new()));
+        (self.like.from_s, self.like.to_s) = (Sometimes(Some(None)), Sometimes(Some(None)));
+        self
+    }
+
     /// Adds a row. Cells that a record does not give are empty.
     pub fn push(&mut self, outcome: &RecordOutcome) {
         let level = |of: Drive| Sometimes((self.drive == Some(of)).then_some(outcome.level));
         let modes = self.like.participation.0.len();
+        let segment = outcome.segment.as_ref();
+        let instant = |of: fn(&Segment) -> f64| Sometimes(self.like.from_s.0.map(|_| segment.map(of)));
+        let (from_s, to_s) = (instant(|segment| segment.from), instant(|segment| segment.to));
+        let segment = segment.map_or_else(String::new, |segment| segment.name.clone());
         let extracted = outcome.result.as_ref().ok().map(|found| row(found, modes));
         self.rows.push(ModalPointRow {
             record: outcome.record.clone(),
+            segment: Sometimes(self.like.segment.0.is_some().then_some(segment)),
+            from_s,
+            to_s,
             drive_v: level(Drive::Signal),
             drive_n: level(Drive::Force),
             findings: outcome.finding_names(),
@@ -110,6 +125,9 @@ fn row(found: &RecordExtraction, modes: usize) -> ModalPointRow {
     let [energy_j, energy_j_uncertainty] = both(modal.map(|m| m.kinetic_energy));
     ModalPointRow {
         record: String::new(),
+        segment: Sometimes(None),
+        from_s: Sometimes(None),
+        to_s: Sometimes(None),
         drive_v: Sometimes(None),
         drive_n: Sometimes(None),
         frequency_hz,

@@ -113,6 +113,7 @@ pub fn table(scene: &TestScene, rig: &Rig) -> Table {
 pub fn outcome(level: &TestLevel) -> RecordOutcome {
     RecordOutcome {
         record: level.outcome.record.name.clone(),
+        segment: None,
         level: Some(level.outcome.level),
         findings: level.outcome.findings.iter().map(|finding| finding.name()).collect(),
         result: level.extraction.clone(),

@@ -1,5 +1,7 @@
 //! Scenes of measured records: what must hold between their values.
 
+mod segments;
+
 use std::f64::consts::TAU;
 use std::path::PathBuf;
 
@@ -32,6 +34,7 @@ pub fn scene(
     }
     one_source_of_modes(raw, diagnostics);
     let recording = &raw.recording;
+    let segments = segments::check(raw, diagnostics);
     rate(&recording.files, recording.sample_rate_hz, recording.time_column.as_deref(), diagnostics);
     Some(RecordScene {
         title: raw.title.clone().unwrap_or_else(|| stem.to_owned()),
@@ -43,6 +46,7 @@ pub fn scene(
             sample_rate: recording.sample_rate_hz,
             time_column: recording.time_column.clone(),
         },
+        segments,
         structure,
         settings: settings?,
         output_directory: super::output_directory(

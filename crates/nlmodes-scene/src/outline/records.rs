@@ -2,7 +2,7 @@
 
 use super::{Row, row};
 use crate::number;
-use crate::scene::RecordScene;
+use crate::scene::{RecordScene, SegmentRule, SegmentTold};
 
 /// Records, channels, modes and extracted quantities.
 pub fn rows(scene: &RecordScene) -> Vec<Row> {
@@ -29,10 +29,21 @@ pub fn rows(scene: &RecordScene) -> Vec<Row> {
     vec![
         row("records", scene.files.join(", ")),
         row("sampling", rate),
+        row("segments", segments(scene)),
         row("channels", channels.join(", ")),
         row("modes", modes),
         row("harmonics", harmonics),
         row("stop", stop),
         row("results", scene.output_directory.display().to_string()),
     ]
+}
+
+fn segments(scene: &RecordScene) -> String {
+    let told = |rule: &SegmentRule| match &rule.told {
+        SegmentTold::Times([from, to]) => format!("{} s to {} s", number(*from), number(*to)),
+        SegmentTold::Flag(flag) => format!("where \"{flag}\" is not zero"),
+        SegmentTold::Steady => "where force and motion are steady".into(),
+    };
+    let rules: Vec<String> = scene.segments.iter().map(told).collect();
+    if rules.is_empty() { "none: a record is one level".into() } else { rules.join(", ") }
 }

@@ -20,6 +20,9 @@ pub struct RawRecordScene {
     /// Channels of the records, each under its own heading `[[channel]]`
     #[schemars(length(min = 1))]
     pub channel: Vec<RawChannel>,
+    /// Parts of the recording in which a level is held, a row of the table each, under headings `[[segment]]`; without
+    /// them a record is one level
+    pub segment: Option<Vec<RawRecordSegment>>,
     /// Mass-normalised linear modes at the response channels; without them there are no modal quantities
     pub linear_modes: Option<RawLinearModes>,
     /// The structure, instead of `linear_modes`: its linear modes at the sensors are computed, without damping
@@ -47,6 +50,39 @@ pub struct RawRecording {
     /// Name of the time column of .csv files, in s
     #[schemars(length(min = 1))]
     pub time_column: Option<String>,
+    /// "steady": the parts of each record in which force, motion, lag and frequency are steady are its segments
+    pub segments: Option<Found>,
+}
+
+/// How segments are found.
+#[derive(Debug, Clone, Copy, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Found {
+    /// Where force, motion, the lag between them and the frequency are steady.
+    Steady,
+}
+
+/// A part of a recording in which a level is held: `from_s` and `to_s`, or `flag`, or `segments`.
+#[derive(Debug, Deserialize, JsonSchema)]
+pub struct RawRecordSegment {
+    /// Name in table, figures and page; default: its number
+    #[schemars(length(min = 1))]
+    pub name: Option<String>,
+    /// One of `recording.files`; default: each of them
+    #[schemars(length(min = 1))]
+    pub file: Option<String>,
+    /// Its first instant, on the time axis of the file; without one the first sample is at 0
+    #[schemars(extend("unit" = "s"))]
+    pub from_s: Option<f64>,
+    /// Its end
+    #[schemars(extend("unit" = "s"))]
+    pub to_s: Option<f64>,
+    /// A channel of the file that is not zero while a level is held, in place of `from_s` and `to_s`: any of its names,
+    /// or its number, from 1, in files without names; every stretch is a segment
+    #[schemars(length(min = 1))]
+    pub flag: Option<String>,
+    /// "steady": the parts in which force, motion, lag and frequency are steady, in place of `from_s` and `to_s`
+    pub segments: Option<Found>,
 }
 
 /// A channel of the records.
