@@ -67,8 +67,18 @@ function begin() {
       byId("branches").scrollIntoView({ block: "start" });
     });
   }
-  const first = DATA.marks[DATA.marks.length - 1] || [0, 0];
+  const first = largest() || DATA.marks[DATA.marks.length - 1] || [0, 0];
   if (DATA.branches.length && DATA.branches[first[0]].frequency.length) choose(first[0], first[1]);
+}
+
+/// Branch and point of the largest response; none on a page without responses.
+function largest() {
+  if (!(DATA.quantities || []).length) return null;
+  let found = null, most = 0;
+  DATA.branches.forEach((branch, key) => (branch.extra && branch.extra[0] || []).forEach((value, index) => {
+    if (Math.abs(value) > most) [found, most] = [[key, index], Math.abs(value)];
+  }));
+  return found;
 }
 
 /// Controls that choose the branch and the point.
