@@ -80,7 +80,7 @@ impl Curve<'_> {
         };
         let end = end.without_stability(self.budget.left_out());
         let at_levels = self.at_levels(branch)?;
-        let finer = match self.settings.finer.clone() {
+        let finer = match self.settings.finer {
             Some(settings) => self.finer(&points, &settings, self.budget.beside())?,
             None => Vec::new(),
         };

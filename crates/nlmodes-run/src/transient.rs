@@ -26,8 +26,9 @@ use prepared::Prepared;
 /// Samples in a period of the highest frequency where the scene does not say how many.
 const PER_PERIOD: f64 = 64.0;
 
-/// Most samples of a history.
+/// Most samples of a history, and numbers of all histories.
 const MOST_SAMPLES: f64 = 2e7;
+const MOST_NUMBERS: f64 = 1e8;
 
 /// What came out of a motion in time.
 #[derive(Debug)]
@@ -107,6 +108,12 @@ fn begin(file: &SceneFile) -> Result<Begun, RunError> {
         let expected = format!("expected at most {} in all: a lower rate, or a shorter motion", number(MOST_SAMPLES));
         return Err(file.error_at("transient.sample_rate_hz", &title, &expected, &[]).into());
     }
+    let numbers = samples * (2 * prepared.observed.len() + prepared.structure.n_contacts()) as f64;
+    if numbers > MOST_NUMBERS {
+        let title = format!("{} numbers in the histories of all places and contacts", number(numbers.ceil()));
+        let expected = format!("expected at most {}: a lower rate, or a shorter motion", number(MOST_NUMBERS));
+        return Err(file.error_at("transient.sample_rate_hz", &title, &expected, &[]).into());
+    }
     Ok(Begun { transient, model, prepared, state, rate })
 }
 
@@ -141,7 +148,7 @@ fn move_on(
             histories.take(stretch, switched, &moved);
             until = stretch.from() + stretch.length();
             count = count.wrapping_add(1);
-            count % ASKED != 0 || !observer.is_cancelled()
+            !count.is_multiple_of(ASKED) || !observer.is_cancelled()
         },
         &mut |touch| touches.push(touch),
     );

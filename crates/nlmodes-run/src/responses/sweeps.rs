@@ -110,6 +110,9 @@ fn duration(response: &Response, model: &Model) -> Option<f64> {
     response.sweep_s.or_else(|| least.map(|width| (high - low) / (SLOW * width * width)))
 }
 
+/// A part of a complex amplitude, and the phase of its cosine, rad.
+type Part = (fn(&Complex64) -> f64, f64);
+
 /// The structure under a load whose frequency is swept.
 struct Driven {
     structure: ForcedStructure,
@@ -135,7 +138,7 @@ impl Driven {
         let (mut signals, mut residuals) = (Vec::new(), Vec::new());
         for (term, residual) in model.response().terms().iter().zip(&row.loads) {
             // Re(p e^{inφ}) = Re p cos nφ − Im p cos(nφ − π/2).
-            let parts: [(fn(&Complex64) -> f64, f64); 2] = [(|p| p.re, 0.0), (|p| -p.im, -0.5 * PI)];
+            let parts: [Part; 2] = [(|p| p.re, 0.0), (|p| -p.im, -0.5 * PI)];
             for (part, phase) in parts {
                 let of = |values: &[Complex64]| values.iter().map(part).collect::<Vec<f64>>();
                 let (modal, gaps) = (of(&term.modal[..m]), of(&term.gaps));
@@ -171,7 +174,7 @@ impl Driven {
             while let Some(along) = along.filter(|_| next <= end) {
                 sum += Complex64::cis(-turn(k)) * along.at((next - stretch.from()).max(0.0))[0];
                 k += 1;
-                if k % INSTANTS == 0 {
+                if k.is_multiple_of(INSTANTS) {
                     let hz = (self.omega + self.rate * next) / TAU;
                     sweep.points.push([hz, 2.0 * sum.norm() / INSTANTS as f64]);
                     sum = Complex64::default();
@@ -179,7 +182,7 @@ impl Driven {
                 next = self.time(turn(k));
             }
             count = count.wrapping_add(1);
-            count % ASKED != 0 || !observer.is_cancelled()
+            !count.is_multiple_of(ASKED) || !observer.is_cancelled()
         };
         self.structure.transient(&state, &settings, &mut observe, &mut |_| {}).map(drop)
     }

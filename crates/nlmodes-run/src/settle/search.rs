@@ -108,16 +108,16 @@ impl Search {
             self.start.state.iter().zip(direction).map(|(x, d)| x + settings.disturbance * d).collect();
         let mut followed =
             Followed { flashes: Vec::new(), values: Vec::new(), largest: Vec::new(), tried: f64::INFINITY };
-        let (mut count, mut found) = (0, None);
+        let (mut count, mut found) = (0_usize, None);
         self.structure.flash((self.level, self.omega), &state, STATES, &mut |x, observed| {
             count += 1;
             followed.values.push(observed.first().copied().unwrap_or(0.0));
-            if count % STATES != 0 {
+            if !count.is_multiple_of(STATES) {
                 return true;
             }
             followed.end_of_period(x);
             let periods = count / STATES;
-            if periods % LOOK == 0 {
+            if periods.is_multiple_of(LOOK) {
                 found = self.periodic(&mut followed);
             }
             found.is_none() && periods < settings.periods
