@@ -238,8 +238,8 @@ Exit status 1 where a record gives no point, with the reason in the table; 2 whe
         #[arg(long, short)]
         quiet: bool,
     },
-    /// Plan a test: where to push, which levels, frequencies and sensor ranges to expect, and which levels phase control
-    /// holds; prints tables and writes design.json
+    /// Plan a test: drive point, levels, frequencies and sensor ranges to expect, and which levels phase control holds;
+    /// writes design.json
     #[command(after_help = "\
 Examples:
   nlmodes-cli experiment design configs/virtual_test.toml --out results/plan

@@ -47,7 +47,7 @@ pub fn write(directory: &Path, title: &str, outcomes: &[RecordOutcome]) -> Resul
         return Ok(None);
     }
     let rows = decays().flat_map(|(record, decay)| rows(record, decay));
-    write_rows(&directory.join(TABLE), &DecayRow::unknown(), rows)?;
+    write_rows(directory.join(TABLE), &DecayRow::unknown(), rows)?;
     let points: Vec<_> = decays().flat_map(|(_, decay)| &decay.points).collect();
     let amplitudes: Vec<f64> = points.iter().map(|point| point.amplitude.value).collect();
     let pairs = |of: &dyn Fn(usize) -> Measured| -> Vec<(f64, f64)> {
