@@ -19,8 +19,7 @@ use crate::figures;
 use crate::observer::TerminalObserver;
 use crate::options::RunOptions;
 use crate::terminal::{print, refuse, refuse_run, wants_colours};
-use crate::{Status, at, compare, extract, lcp, modes, new, run, settle, study, verify};
-use crate::{Status, at, compare, design, extract, lcp, modes, new, run, study, verify};
+use crate::{Status, at, compare, design, extract, lcp, modes, new, run, settle, study, verify};
 
 /// Parses the command line and executes it. Wrong calls end here with status 2.
 pub fn run() -> Status {

@@ -1,14 +1,11 @@
 use super::{
-    AppropriationRow, BranchRow, Column, ContactRow, DifferenceRow, FileMeaning, ModalPointRow, ParticipationRow,
-    ResponseDifferenceRow, ResponseRow, Row, StopDifferenceRow, TouchRow,
     AppropriationRow, BranchRow, Column, ContactRow, DecayRow, DifferenceRow, FileMeaning, ModalPointRow,
-    ParticipationRow, ResponseDifferenceRow, ResponseRow, Row, StopDifferenceRow,
+    ParticipationRow, ResponseDifferenceRow, ResponseRow, Row, StopDifferenceRow, TouchRow,
 };
 use crate::table::{HARMONIC_ARRAYS, HISTORY_ARRAYS, MATLAB_VARIABLES, START_ARRAYS, TRANSIENT_ARRAYS};
 
 /// The results files of a structure, in order of usefulness.
-pub const FILES: [FileMeaning; 25] = [
-pub const FILES: [FileMeaning; 24] = [
+pub const FILES: [FileMeaning; 27] = [
     FileMeaning {
         name: "branch.csv",
         meaning: "The branch, a row a point, written as points are found; other branches of a run stand in folders of \
