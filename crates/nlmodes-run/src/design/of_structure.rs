@@ -97,7 +97,7 @@ pub fn of_structure(file: &SceneFile) -> Result<Assumed, RunError> {
         LEVELS[5],
         number(grazing)
     ));
-    let file = SceneFile { scene: test, document: file.document.clone(), warnings: Vec::new() };
+    let file = SceneFile { document: file.document.clone(), ..SceneFile::without_text(test, "") };
     Ok(Assumed { file, assumed })
 }
 
