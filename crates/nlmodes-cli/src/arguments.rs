@@ -238,6 +238,27 @@ Exit status 1 where a record gives no point, with the reason in the table; 2 whe
         #[arg(long, short)]
         quiet: bool,
     },
+    /// Plan a test: drive point, levels, frequencies and sensor ranges to expect, and which levels phase control holds;
+    /// writes design.json
+    #[command(after_help = "\
+Examples:
+  nlmodes-cli experiment design configs/virtual_test.toml --out results/plan
+  nlmodes-cli experiment design my_beam.toml --set damping.ratio=0.005
+
+The scene describes a virtual test, or a rod or beam with one stop and [damping]: then an ideal force and levels about \
+    that of grazing are assumed. Each level is simulated with structure, stop, exciter and loop.
+
+Exit status 1 where a level is not held, with what does not settle.")]
+    Design {
+        #[command(flatten)]
+        scene: SceneArguments,
+        /// Directory of design.json, instead of the one given in the scene
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+        /// No progress
+        #[arg(long, short)]
+        quiet: bool,
+    },
 }
 
 // A scene and the changed values.

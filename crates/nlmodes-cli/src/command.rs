@@ -19,7 +19,7 @@ use crate::figures;
 use crate::observer::TerminalObserver;
 use crate::options::RunOptions;
 use crate::terminal::{print, refuse, refuse_run, wants_colours};
-use crate::{Status, at, compare, extract, lcp, modes, new, run, settle, study, verify};
+use crate::{Status, at, compare, design, extract, lcp, modes, new, run, settle, study, verify};
 
 /// Parses the command line and executes it. Wrong calls end here with status 2.
 pub fn run() -> Status {
@@ -47,6 +47,10 @@ pub fn run() -> Status {
                 AnyScene::Records(file) => extract::run(&file, options),
                 _ => Status::Wrong,
             })
+        }
+        Command::Experiment(Experiment::Design { scene, out, quiet }) => {
+            let options = RunOptions { quiet, ..RunOptions::default() };
+            with(&scene, out, scenes::load_to_run, |scene| design::run(scene, options))
         }
         Command::Check { scene } => with(&scene, None, scenes::load_any, check),
         Command::Schema { of: SchemaOf::Scene } => print(&format!("{:#}", scenes::whole_schema())),

@@ -1,7 +1,7 @@
 //! `nlmodes-cli experiment extract`: measured records into modal points.
 
 use nlmodes_run::chain;
-use nlmodes_run::records::{extract, in_words};
+use nlmodes_run::records::{decay_in_words, extract, in_words};
 use nlmodes_scene::{RecordScene, SceneFile};
 
 use crate::Status;
@@ -16,15 +16,22 @@ pub fn run(file: &SceneFile<RecordScene>, options: RunOptions) -> Status {
         Err(error) => return refuse_run(&error),
     };
     for outcome in &outcomes {
-        if let Err(error) = &outcome.result {
+        if let (Err(error), None) = (&outcome.result, &outcome.decay) {
             say!("warning: {}: no modal point: {}", outcome.name(), chain(error));
         }
     }
     if !options.quiet {
         let found = outcomes.iter().filter_map(|outcome| outcome.result.as_ref().ok()).map(in_words);
         let mut lines: Vec<String> = found.collect();
+        let decays =
+            outcomes.iter().filter_map(|outcome| Some(decay_in_words(&outcome.record, outcome.decay.as_ref()?)));
+        lines.extend(decays);
         lines.push(format!("Results in {}", file.scene.output_directory.display()));
         print(&lines.join("\n"));
     }
-    if outcomes.iter().all(|outcome| outcome.result.is_ok()) { Status::Done } else { Status::EndedEarly }
+    if outcomes.iter().all(|outcome| outcome.result.is_ok() || outcome.decay.is_some()) {
+        Status::Done
+    } else {
+        Status::EndedEarly
+    }
 }

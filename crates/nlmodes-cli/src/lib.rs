@@ -18,6 +18,7 @@ mod arguments;
 mod at;
 pub mod command;
 mod compare;
+mod design;
 #[cfg(feature = "explore")]
 mod explore;
 mod extract;

@@ -36,8 +36,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`records`] reads and writes CSV, Universal File 58 and 58b, WAV and NumPy. [`extraction`] makes a modal point of a
-//! record, with the uncertainty of each figure and named findings. [`phase_loop`] is the loop as a function of values,
+//! [`records`] reads CSV, Universal File 58 and 58b, WAV, NumPy and TDMS, and writes all but the last. [`extraction`]
+//! makes a modal point of a record, with the uncertainty of each figure and named findings, finds the levels of a long
+//! record, and follows a free decay. [`phase_loop`] is the loop as a function of values,
 //! for a real rig as for a simulated one.
 //!
 //! # Main decisions

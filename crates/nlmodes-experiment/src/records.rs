@@ -9,6 +9,7 @@
 //! | CSV, [`read_csv`] | header | time column |
 //! | Universal File 58 and 58b, [`read_uff`] | header | header, or its abscissa |
 //! | WAV, [`read_wav`] | none: in the order of the description | header |
+//! | TDMS, [`read_tdms`] | header | header |
 //! | NumPy, [`read_npy`] | none: in the order of the description | none |
 //!
 //! Readers take memory as numbers come, never as a header announces, and answer a malformed file with an error that
@@ -28,6 +29,7 @@ mod record;
 mod remark;
 mod sample_rate;
 mod table;
+mod tdms;
 mod time_axis;
 mod uff;
 mod unit;
@@ -46,6 +48,7 @@ pub use record::Record;
 pub use remark::Remark;
 pub use sample_rate::SampleRate;
 pub use table::{Column, RecordTable};
+pub use tdms::read_tdms;
 pub use uff::{
     Abscissa, Axis, ByteOrder, Dataset58, Node, Ordinates, Precision, Storage, UffError, read_uff, read_uff58,
     write_uff, write_uff58,

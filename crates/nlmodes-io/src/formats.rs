@@ -20,10 +20,10 @@ use std::io::Read;
 use std::path::Path;
 use std::str::FromStr;
 
-use crate::Address;
 use crate::error::{Problem, ReadError, Result, shown};
 use crate::labels::DofLabel;
 use crate::lower::LowerTriangle;
+use crate::{Address, NumberArray};
 
 /// A way to write a sparse matrix into a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -162,6 +162,16 @@ pub fn read_matrix(address: &Address, format: Format, order: Option<usize>) -> R
         Format::HarwellBoeing => harwell_boeing::read(path, order).map(plain),
         Format::Dmig => dmig::read(path, address.name.as_deref()),
     }
+}
+
+/// All real arrays of numbers of a MATLAB file.
+pub(crate) fn read_matlab_arrays(path: &Path) -> Result<Vec<NumberArray>> {
+    matlab::read_arrays(path)
+}
+
+/// The same of any HDF5 file.
+pub(crate) fn read_hdf5_arrays(path: &Path) -> Result<Vec<NumberArray>> {
+    mat73::read_arrays(path)
 }
 
 /// No name may follow the file of a single matrix.

@@ -50,6 +50,7 @@
 //! No mechanics beyond that: modes, reductions and motions are for other crates.
 
 mod address;
+mod arrays;
 mod build;
 mod contact;
 mod error;
@@ -66,6 +67,7 @@ mod text;
 mod units;
 
 pub use address::Address;
+pub use arrays::{NumberArray, read_arrays};
 pub use contact::{
     ContactChoice, ContactError, ContactNodes, ContactProblem, GapChoice, NodeContact, NormalChoice, Partner,
     find_contacts,

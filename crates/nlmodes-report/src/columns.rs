@@ -13,7 +13,7 @@ mod transient;
 pub use differences::{DifferenceRow, ResponseDifferenceRow, StopDifferenceRow};
 pub use files::FILES;
 pub use points::{AppropriationRow, BranchRow, ContactRow, ParticipationRow, ResponseOf, ResponseRow};
-pub use records::ModalPointRow;
+pub use records::{DecayRow, ModalPointRow};
 pub use row::{Cell, Cells, Known, Numbered, Row, Sometimes};
 pub use transient::TouchRow;
 

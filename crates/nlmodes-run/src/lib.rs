@@ -67,6 +67,7 @@ mod claim;
 pub mod compare;
 mod course;
 mod curve;
+pub mod design;
 mod doubts;
 mod error;
 pub mod explore;

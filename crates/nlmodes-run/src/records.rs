@@ -1,15 +1,19 @@
 //! Measured records into modal points.
 
+mod decay;
 pub(crate) mod figures;
 mod modes;
 pub(crate) mod page;
 mod segments;
+mod sources;
 pub(crate) mod summary;
 pub(crate) mod table;
 mod words;
 
-use nlmodes::experiment::extraction::{ExtractionError, RecordExtraction, extract as extract_record};
-use nlmodes::experiment::records::{Record, RecordError, RecordTable, Recording};
+use std::error::Error;
+
+use nlmodes::experiment::extraction::{ExtractionError, FreeDecay, RecordExtraction, extract as extract_record};
+use nlmodes::experiment::records::{Record, RecordError, RecordTable};
 
 use nlmodes_scene::{RecordScene, SceneError, SceneFile};
 
@@ -18,7 +22,7 @@ use crate::overlay::{self, Laid, Overlaid};
 use crate::{Failure, Observer, Over, RunError, chain, links, refusal};
 pub use segments::Segment;
 use table::Table;
-pub use words::in_words;
+pub use words::{decay_in_words, in_words};
 
 /// A record, and what came of it.
 #[derive(Debug)]
@@ -31,6 +35,8 @@ pub struct RecordOutcome {
     pub level: Option<f64>,
     /// Names of what was found while the record was made, before the extraction.
     pub findings: Vec<&'static str>,
+    /// The free decay at its end, where the scene says that there is one.
+    pub decay: Option<FreeDecay>,
     /// What was extracted, or why there is no point.
     pub result: Result<RecordExtraction, ExtractionError>,
 }
@@ -111,8 +117,17 @@ fn of_record(
     record: Record,
 ) -> Result<Vec<RecordOutcome>, SceneError> {
     let name = number.map_or_else(|| record.name.clone(), |number| scene.files[number].clone());
-    let outcome =
-        |segment, result| RecordOutcome { record: name.clone(), segment, level: None, findings: Vec::new(), result };
+    let outcome = |segment, result| RecordOutcome {
+        record: name.clone(),
+        segment,
+        level: None,
+        findings: Vec::new(),
+        decay: None,
+        result,
+    };
+    if let Some(span) = scene.free_decay {
+        return Ok(vec![decay::of_record(scene, &record, span, outcome)]);
+    }
     let levels = segments::levels(file, scene, number, &record)?;
     if levels.is_empty() {
         return Ok(vec![outcome(None, extract_record(&record, &scene.settings))]);
@@ -180,15 +195,15 @@ pub(crate) fn check(file: &SceneFile<RecordScene>, observer: &mut dyn Observer) 
 /// [`RunError::Scene`] with each that is not, at its place in the scene.
 pub fn files_are_there(file: &SceneFile<RecordScene>) -> Result<(), RunError> {
     let lost = file.scene.files.iter().enumerate().filter_map(|(i, name)| {
-        let error = Recording::find(&file.scene.base.join(name)).err()?;
-        Some(unusable(file, i, name, &error))
+        let error = sources::find(&file.scene, name).err()?;
+        Some(unusable(file, i, name, error.as_ref()))
     });
     lost.reduce(SceneError::with).map_or(Ok(()), |error| Err(error.into()))
 }
 
-fn unusable(file: &SceneFile<RecordScene>, i: usize, name: &str, error: &RecordError) -> SceneError {
+fn unusable(file: &SceneFile<RecordScene>, i: usize, name: &str, error: &(dyn Error + 'static)) -> SceneError {
     let title = format!("the record \"{name}\" cannot be used: {}", chain(error));
-    file.error_at(&format!("recording.files.{i}"), &title, "this file", help(error))
+    file.error_at(&format!("recording.files.{i}"), &title, "this file", error.downcast_ref().map_or(&[], help))
 }
 
 /// Reads one record after the other and extracts from it, so that one at a time is in memory.
@@ -198,8 +213,8 @@ fn unusable(file: &SceneFile<RecordScene>, i: usize, name: &str, error: &RecordE
 fn read_all(file: &SceneFile<RecordScene>, scene: &RecordScene) -> Result<Vec<RecordOutcome>, RunError> {
     let (mut outcomes, mut refused) = (Vec::new(), Vec::new());
     for (i, name) in scene.files.iter().enumerate() {
-        let record = scene.recording.read_flagged(&scene.base.join(name), &segments::flags(scene, Some(i)));
-        let found = record.map_err(|error| unusable(file, i, name, &error));
+        let record = sources::read(scene, name, &segments::flags(scene, Some(i)));
+        let found = record.map_err(|error| unusable(file, i, name, error.as_ref()));
         match found.and_then(|record| of_record(file, scene, Some(i), record)) {
             Ok(found) => outcomes.extend(found),
             Err(error) => refused.push(error),
@@ -234,7 +249,8 @@ fn write(scene: &RecordScene, outcomes: &[RecordOutcome], laid: &[Laid]) -> Resu
     let modes = scene.settings.linear_modes.as_ref().map_or(0, |modes| modes.n_modes());
     table_with(outcomes, modes).write(&directory.join("modal_points.csv"))?;
     summary::write(directory, scene, outcomes)?;
-    let drawn = figures::write(directory, &scene.title, outcomes, laid)?;
+    let mut drawn = figures::write(directory, &scene.title, outcomes, laid)?;
+    drawn.extend(decay::write(directory, &scene.title, outcomes)?);
     let against = Overlaid::of_test(figures::of_records(outcomes).as_ref(), laid);
     against.write(directory, "overlay")?;
     let lines: Vec<String> =

@@ -24,7 +24,7 @@ use crate::claim::Claim;
 use crate::overlay;
 use crate::records::table::Table;
 use crate::{Event, Observer, Over, RunError, chain, links, refusal};
-use bench::Rig;
+pub(crate) use bench::Rig;
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::scene::{BackboneMethod, KeptRecords, TestScene};
 pub use words::in_words;
@@ -100,7 +100,7 @@ pub fn check(file: &SceneFile<TestScene>, observer: &mut dyn Observer) -> Result
 }
 
 /// The rig at rest and the test on it, or why it would not begin.
-fn prepared(file: &SceneFile<TestScene>) -> Result<(Rig, VirtualTest), RunError> {
+pub(crate) fn prepared(file: &SceneFile<TestScene>) -> Result<(Rig, VirtualTest), RunError> {
     let scene = &file.scene;
     let rig = Rig::new(scene).map_err(|error| refusal::at(file, error.path, error.source.as_ref()))?;
     let test = VirtualTest {

@@ -12,6 +12,8 @@ mod interrupted;
 mod interrupted_responses;
 mod measured_records;
 mod messages;
+mod planning;
+mod record_files;
 mod reduced_elsewhere;
 mod responses;
 mod results_files;

@@ -1,5 +1,7 @@
 //! Fourier coefficients of all periods together, and of single ones.
 
+use std::ops::Range;
+
 use num_complex::Complex64;
 
 use crate::extraction::HarmonicFit;
@@ -18,9 +20,9 @@ pub struct Blocks {
     pub single: Vec<Vec<Vec<Complex64>>>,
     /// Instants of the middles of the blocks, s, from the middle of the window.
     pub centres: Vec<f64>,
-    /// What the harmonics leave of each channel.
-    pub rest: Vec<Vec<f64>>,
-    /// Its root mean square, at least a trace of the signal's own.
+    /// Root mean square of what the harmonics leave of each channel.
+    pub rest: Vec<f64>,
+    /// The same, at least a trace of the signal's own.
     pub noise: Vec<f64>,
 }
 
@@ -29,45 +31,34 @@ impl Blocks {
     /// is left there: the rest is small, so that its leakage within a block is of second order.
     pub fn new(fit: &HarmonicFit, signals: &[&[f64]], periods: usize, sample_rate: f64) -> Self {
         let all = fit.coefficients(signals);
-        let models = fit.signals(&all);
-        let rest = |(signal, model): (&&[f64], &Vec<f64>)| signal.iter().zip(model).map(|(x, m)| x - m).collect();
-        let rest: Vec<Vec<f64>> = signals.iter().zip(&models).map(rest).collect();
         let n = signals.first().map_or(0, |signal| signal.len());
         let per_block = periods.div_ceil(MAX_BLOCKS);
         let n_blocks = periods / per_block;
         let edge = |k: usize| (k * per_block * n / periods).min(n);
-        let single = (0..n_blocks).map(|k| block(fit, &all, &rest, edge(k)..edge(k + 1))).collect();
+        let blocks: Vec<Range<usize>> = (0..n_blocks).map(|k| edge(k)..edge(k + 1)).collect();
+        let (squares, sums) = fit.rests(signals, &all, &blocks);
+        let single = blocks.iter().zip(&sums).map(|(samples, sums)| block(&all, sums, samples.len())).collect();
         let middle = |k: usize| 0.5 * ((edge(k) + edge(k + 1)) as f64 - n as f64) / sample_rate;
-        let rms = |x: &[f64]| (x.iter().map(|x| x * x).sum::<f64>() / x.len().max(1) as f64).sqrt();
-        let noise = rest
-            .iter()
-            .zip(signals)
-            .map(|(rest, signal)| rms(rest).max(NOISELESS * rms(signal)).max(f64::MIN_POSITIVE.sqrt()));
+        let rms = |square: f64| (square / n.max(1) as f64).sqrt();
+        let rest: Vec<f64> = squares.into_iter().map(rms).collect();
+        let noise = rest.iter().zip(signals).map(|(rest, signal)| {
+            let own = rms(signal.iter().map(|x| x * x).sum());
+            rest.max(NOISELESS * own).max(f64::MIN_POSITIVE.sqrt())
+        });
         Self { noise: noise.collect(), centres: (0..n_blocks).map(middle).collect(), all, single, rest }
     }
 }
 
-fn block(
-    fit: &HarmonicFit,
-    all: &[Vec<Complex64>],
-    rest: &[Vec<f64>],
-    samples: std::ops::Range<usize>,
-) -> Vec<Vec<Complex64>> {
-    let scale = 2.0 / samples.len().max(1) as f64;
-    let mut coefficients = all.to_vec();
-    let mut powers = vec![Complex64::default(); fit.n_harmonics() + 1];
-    for j in samples {
-        fit.powers(j, &mut powers);
-        for (q, rest) in coefficients.iter_mut().zip(rest) {
-            let x = scale * rest[j];
-            q.iter_mut().zip(&powers).for_each(|(q, power)| *q += power.conj() * x);
-        }
-    }
-    // The mean has half the factor.
-    for (q, all) in coefficients.iter_mut().zip(all) {
+/// Coefficients of a block of so many samples, from `Σ_j x_j e^{inψ_j}` of what all harmonics leave there.
+fn block(all: &[Vec<Complex64>], sums: &[Vec<Complex64>], samples: usize) -> Vec<Vec<Complex64>> {
+    let scale = 2.0 / samples.max(1) as f64;
+    let own = |(all, sums): (&Vec<Complex64>, &Vec<Complex64>)| {
+        let mut q: Vec<Complex64> = all.iter().zip(sums).map(|(q, sum)| q + sum.conj() * scale).collect();
+        // The mean has half the factor.
         q[0] = 0.5 * (q[0] + all[0]);
-    }
-    coefficients
+        q
+    };
+    all.iter().zip(sums).map(own).collect()
 }
 
 /// Takes the delay of a channel out of its coefficients: it recorded late, so harmonic `n` is turned forward by

@@ -10,6 +10,8 @@ const PLATEAU: f64 = 0.014;
 const COARSE: f64 = 2.0;
 /// Fewest steps of a converter.
 const FEWEST_STEPS: usize = 8;
+/// Samples that show the steps of a converter.
+const ENOUGH: usize = 1 << 17;
 /// Fewest samples of such a run.
 const SHORTEST: usize = 4;
 
@@ -47,6 +49,7 @@ pub fn check(channel: &Channel, samples: &[f64], samples_per_period: f64, findin
 /// Smallest difference between values that differ, where there are few of them: the step of a coarse converter; else
 /// zero.
 fn step(samples: &[f64]) -> f64 {
+    let samples = &samples[samples.len().saturating_sub(ENOUGH)..];
     let mut sorted = samples.to_vec();
     sorted.sort_by(f64::total_cmp);
     let largest = sorted.iter().fold(0.0, |m: f64, x| m.max(x.abs()));

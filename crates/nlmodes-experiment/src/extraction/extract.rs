@@ -1,22 +1,29 @@
+use std::f64::consts::TAU;
+
 use num_complex::Complex64;
 
 use crate::extraction::blocks::{Blocks, take_out_delay};
 use crate::extraction::contact::Evidence;
 use crate::extraction::drift::Drift;
+use crate::extraction::force_balance::ForceBalance;
+use crate::extraction::guess::strongest_frequency;
 use crate::extraction::judgement::Judgement;
-use crate::extraction::layout::{Layout, Place, modes_at};
+use crate::extraction::layout::{Layout, Place, modes_at, row_at};
+use crate::extraction::measured::spread;
 use crate::extraction::repeated::{Repeated, rate_deviation};
 use crate::extraction::values::Method;
 use crate::extraction::window::Window;
 use crate::extraction::{
-    ExcitationFigures, ExtractionError, ExtractionSettings, Finding, HarmonicFit, Measured, RecordExtraction, clipping,
-    quality, window,
+    BalanceFigures, ExcitationFigures, ExtractionError, ExtractionSettings, Finding, HarmonicFit, Measured,
+    RecordExtraction, clipping, quality, window,
 };
 use crate::records::{Record, Role};
 
 /// Most harmonics that are fitted, and most that "all" means for the mode indicator, unless more are asked for: the
 /// time grows with their third power.
 const MAX_HARMONICS: usize = 1000;
+/// Most samples from which the contact is evaluated, sample by sample and impact by impact: the last ones.
+const CONTACT_SAMPLES: usize = 1 << 19;
 /// Lag at phase resonance, degrees.
 const RESONANCE_DEG: f64 = 90.0;
 /// Scatter of the fundamental from period to period, over its size, from which on a vibration has no frequency.
@@ -139,9 +146,9 @@ impl Analysis<'_> {
         let record_omega = self.window.omega;
         let omega = self.window.from_phase.map_or(record_omega, |phase| phase.value);
         let fit = HarmonicFit::new(fitted, omega / self.record.sample_rate, self.window.n_samples)?;
-        let blocks = self.blocks(&fit, omega);
+        let blocks = self.blocks(&fit, &self.window, omega);
         self.clipping(&mut findings);
-        self.aperiodic(&blocks, &mut findings);
+        self.aperiodic(&fit, &blocks, &mut findings);
         quality::sample_rate(self.record, &self.settings.tolerances, &mut findings);
         quality::silent(self.record, &mut self.layout, &blocks, (omega, self.window.n_samples), &mut findings);
         let drift = self.drift(&blocks, omega, &mut findings);
@@ -161,19 +168,25 @@ impl Analysis<'_> {
             harmonics,
             power_harmonics,
         };
-        let repeated = Repeated::new(&method, &blocks.all, &blocks.single, self.record.rate_error)?;
+        let repeated =
+            Repeated::new(&method, &blocks.all, &blocks.single, (self.record.rate_error, self.window.n_samples))?;
         let window = Window { omega: omega.value, ..self.window };
+        let recent = self.recent(&window, fitted)?;
+        let (at_contact, fit, of_contact) =
+            recent.as_ref().map_or((&window, &fit, &blocks), |(window, fit, blocks)| (window, fit, blocks));
         let evidence = Evidence {
             record: self.record,
             layout: &self.layout,
-            window: &window,
-            fit: &fit,
-            blocks: &blocks,
+            window: at_contact,
+            fit,
+            blocks: of_contact,
             steady: !drift.is_drifting(&self.settings.tolerances, omega.value),
             periodic: !findings.iter().any(|finding| matches!(finding, Finding::Aperiodic { .. })),
         };
         let contact = evidence.figures(self.settings.stop.as_ref(), &mut findings);
-        let (excitation, modal) = (repeated.excitation(), repeated.modal(method.modes.as_ref(), omega.value));
+        let balance = self.balance(&method, &blocks, omega.value).filter(|_| evidence.periodic);
+        let (excitation, modal) =
+            (repeated.excitation(), repeated.modal(method.modes.as_ref(), self.settings.mode_errors, omega.value));
         let judgement = Judgement {
             record: self.record,
             settings: self.settings,
@@ -206,8 +219,36 @@ impl Analysis<'_> {
             motion: repeated.all.motion,
             excitation,
             contact,
+            balance,
             findings,
         })
+    }
+
+    /// The contact without its force, where the modes are known at the stop and where the force acts.
+    fn balance(&self, method: &Method<'_>, blocks: &Blocks, omega: f64) -> Option<BalanceFigures> {
+        let (modes, stop) = (self.settings.linear_modes.as_ref()?, self.settings.stop?);
+        let n_modes = method.modes.as_ref()?.n_modes();
+        let row = |position: f64| row_at(modes.positions(), position);
+        let rows = method.shape_places.iter().map(|place| row(place.position?)).collect::<Option<Vec<_>>>()?;
+        let at_force = |i: usize| self.record.channels[i].position.or(self.layout.drive.as_ref()?.position);
+        let drive = match self.layout.force {
+            Some(channel) => Some((row(at_force(channel)?)?, channel)),
+            None => None,
+        };
+        ForceBalance {
+            modes,
+            errors: self.settings.mode_errors,
+            places: &method.shape_places,
+            rows,
+            n_modes,
+            drive,
+            stop: row(stop.position)?,
+            settings: stop,
+            blocks,
+            omega,
+            n_samples: self.window.n_samples,
+        }
+        .figures()
     }
 
     /// Harmonics of the shape, of the power, and of the fit.
@@ -225,14 +266,29 @@ impl Analysis<'_> {
         (harmonics, power, limit.min(MAX_HARMONICS).max(harmonics).max(power))
     }
 
-    fn blocks(&self, fit: &HarmonicFit, omega: f64) -> Blocks {
-        let unusable = vec![0.0; self.window.n_samples];
+    /// The last periods of a long record, from which the contact is evaluated sample by sample; `None` of a shorter one.
+    fn recent(&self, window: &Window, fitted: usize) -> Result<Option<(Window, HarmonicFit, Blocks)>, ExtractionError> {
+        if self.layout.contact.is_none() || window.n_samples <= CONTACT_SAMPLES {
+            return Ok(None);
+        }
+        let step = window.omega / self.record.sample_rate;
+        let periods = ((CONTACT_SAMPLES as f64 * step / TAU) as usize).max(window::FEWEST_PERIODS);
+        let n_samples = ((periods as f64 * TAU / step).round() as usize).min(window.n_samples);
+        let first = window.first + window.n_samples - n_samples;
+        let recent = Window { first, n_samples, periods, ..*window };
+        let fit = HarmonicFit::new(fitted, step, n_samples)?;
+        let blocks = self.blocks(&fit, &recent, window.omega);
+        Ok(Some((recent, fit, blocks)))
+    }
+
+    fn blocks(&self, fit: &HarmonicFit, window: &Window, omega: f64) -> Blocks {
+        let unusable = vec![0.0; window.n_samples];
         let taken = |i: usize| {
-            let samples = self.window.of(&self.record.samples[i]);
+            let samples = window.of(&self.record.samples[i]);
             if samples.iter().all(|x| x.is_finite()) && Some(i) != self.layout.phase { samples } else { &unusable }
         };
         let signals: Vec<&[f64]> = (0..self.record.channels.len()).map(taken).collect();
-        let mut blocks = Blocks::new(fit, &signals, self.window.periods, self.record.sample_rate);
+        let mut blocks = Blocks::new(fit, &signals, window.periods, self.record.sample_rate);
         for (i, channel) in self.record.channels.iter().enumerate().filter(|(_, channel)| channel.delay != 0.0) {
             take_out_delay(&mut blocks.all[i], omega, channel.delay);
             blocks.single.iter_mut().for_each(|q| take_out_delay(&mut q[i], omega, channel.delay));
@@ -247,13 +303,20 @@ impl Analysis<'_> {
         }
     }
 
-    fn aperiodic(&self, blocks: &Blocks, findings: &mut Vec<Finding>) {
+    fn aperiodic(&self, fit: &HarmonicFit, blocks: &Blocks, findings: &mut Vec<Finding>) {
         let mut judged: Vec<usize> = self.layout.reference.into_iter().chain(self.layout.force).collect();
         judged.dedup();
         for i in judged {
-            let (signal, rest) = (self.window.of(&self.record.samples[i]), &blocks.rest[i]);
-            let (name, rate) = (&self.record.channels[i].name, self.record.sample_rate);
-            quality::aperiodic(signal, rest, name, rate, self.settings.tolerances.aperiodic, findings);
+            let signal = self.window.of(&self.record.samples[i]);
+            let ratio = blocks.rest[i] / spread(signal);
+            if ratio > self.settings.tolerances.aperiodic {
+                // A channel with a delay has other coefficients by now.
+                let own = fit.coefficients(&[signal]);
+                let rest = fit.rest(signal, &own[0]);
+                let strongest_hz = strongest_frequency(&rest).unwrap_or(f64::NAN) * self.record.sample_rate;
+                let channel = self.record.channels[i].name.clone();
+                findings.push(Finding::Aperiodic { channel, ratio, strongest_hz });
+            }
         }
     }
 
@@ -280,7 +343,7 @@ impl Analysis<'_> {
         let error = drift.omega_error.hypot(phase.uncertainty);
         let limit = (self.settings.tolerances.frequency_drift * omega).max(SIGNIFICANT * error);
         if (phase.value - record_omega).abs() > limit {
-            let [phase_hz, record_hz] = [phase.value, record_omega].map(|omega| omega / std::f64::consts::TAU);
+            let [phase_hz, record_hz] = [phase.value, record_omega].map(|omega| omega / TAU);
             findings.push(Finding::FrequencyDisagrees { phase_hz, record_hz });
         }
         Measured { value: omega, uncertainty: phase.uncertainty }.and(rate)

@@ -1,3 +1,5 @@
+use std::borrow::Cow;
+
 use crate::extraction::{ExtractionError, HarmonicFit, Measured};
 
 /// Harmonics of the stages: the fundamental alone has the widest basin, all of them the least bias.
@@ -10,6 +12,13 @@ const CONVERGED: f64 = 1e-9;
 /// The same for the stages before the last.
 const NEAR: f64 = 1e-4;
 
+/// Samples of a record from which on it is thinned out for the stages.
+const MANY: usize = 1 << 17;
+/// Samples of a period and harmonic that are left of it.
+const LEFT: f64 = 4.0;
+/// The same of a period, at least.
+const LEAST: f64 = 32.0;
+
 /// Refines a phase step (rad a sample) so that its harmonics fit the signal best: Gauss-Newton on the least-squares
 /// problem in coefficients and frequency, with the coefficients eliminated (variable projection).
 ///
@@ -21,8 +30,9 @@ pub fn refine(signal: &[f64], start: f64, harmonics: usize) -> Option<f64> {
     let harmonics = harmonics.max(1);
     for stage in STAGES.into_iter().filter(|stage| *stage < harmonics).chain(std::iter::once(harmonics)) {
         let enough = if stage == harmonics { CONVERGED } else { NEAR };
+        let (thin, factor) = thinned(signal, start, stage);
         for _ in 0..MAX_STEPS {
-            let change = gauss_newton(signal, step, stage)?;
+            let change = gauss_newton(&thin, step * factor, stage)?;
             step *= 1.0 + change.clamp(-0.1, 0.1);
             if !step.is_finite() || (step - start).abs() > reach {
                 return None;
@@ -33,6 +43,18 @@ pub fn refine(signal: &[f64], start: f64, harmonics: usize) -> Option<f64> {
         }
     }
     Some(step)
+}
+
+/// Means of as many neighbours as leave enough samples of a period for so many harmonics, where there are many, and how
+/// many they are of: a periodic signal stays one of the same period.
+fn thinned(signal: &[f64], step: f64, harmonics: usize) -> (Cow<'_, [f64]>, f64) {
+    let wanted = (LEFT * harmonics as f64).max(LEAST);
+    let factor = (std::f64::consts::TAU / step / wanted) as usize;
+    if signal.len() < MANY || factor < 2 {
+        return (Cow::Borrowed(signal), 1.0);
+    }
+    let mean = |near: &[f64]| near.iter().sum::<f64>() / factor as f64;
+    (Cow::Owned(signal.chunks_exact(factor).map(mean).collect()), factor as f64)
 }
 
 /// Relative change of the frequency.
@@ -102,6 +124,16 @@ mod tests {
             let found = refine(&signal(f, periods, rate), TAU * f / rate * (1.0 + 0.2 / periods), 20).unwrap();
             assert!((found * rate / TAU / f - 1.0).abs() < 1e-11, "{periods}: {}", found * rate / TAU);
         }
+    }
+
+    /// Twenty seconds, of which means are taken.
+    #[test]
+    fn long_records_have_the_same_frequency() {
+        let (f, rate) = (40.1, 51_200.0);
+        let long = signal(f, 400.0, rate);
+        assert!(long.len() > MANY && thinned(&long, TAU * f / rate, 20).1 > 10.0);
+        let found = refine(&long, TAU * f / rate * (1.0 + 3e-4), 20).unwrap();
+        assert!((found * rate / TAU / f - 1.0).abs() < 1e-11, "{}", found * rate / TAU);
     }
 
     #[test]

@@ -2,6 +2,10 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use num_complex::Complex64;
 
 use crate::extraction::ExtractionError;
+use crate::extraction::phase_grid::PhaseGrid;
+
+/// Samples times harmonics from which on sums are taken over a grid of phases: below, those term by term cost nothing.
+const MANY: usize = 1 << 22;
 
 /// Least squares fit of a mean and harmonics to evenly sampled signals: `x_j ≈ Re Σ_{n=0}^{H} q_n e^{inψ_j}`,
 /// `ψ_j = ω (j − (N−1)/2) Δt`.
@@ -61,6 +65,13 @@ impl HarmonicFit {
     /// `Σ_j x_j e^{inψ_j}` of each signal.
     fn projections(&self, signals: &[&[f64]]) -> Vec<Vec<Complex64>> {
         assert!(signals.iter().all(|signal| signal.len() == self.n_samples));
+        match self.grid() {
+            Some(mut grid) => self.spread(&mut grid, signals),
+            None => self.term_by_term(signals),
+        }
+    }
+
+    fn term_by_term(&self, signals: &[&[f64]]) -> Vec<Vec<Complex64>> {
         let mut sums = vec![vec![Complex64::default(); self.n_harmonics + 1]; signals.len()];
         let mut powers = vec![Complex64::new(1.0, 0.0); self.n_harmonics + 1];
         for j in 0..self.n_samples {
@@ -71,6 +82,21 @@ impl HarmonicFit {
             }
         }
         sums
+    }
+
+    fn spread(&self, grid: &mut PhaseGrid, signals: &[&[f64]]) -> Vec<Vec<Complex64>> {
+        let mut spread = vec![grid.empty(); signals.len()];
+        for j in 0..self.n_samples {
+            let weights = grid.weights(self.phase(j));
+            spread.iter_mut().zip(signals).for_each(|(spread, signal)| weights.spread(signal[j], spread));
+        }
+        spread.iter().map(|spread| grid.sums(spread)).collect()
+    }
+
+    /// A grid for sums over all samples, where term by term they would take long.
+    fn grid(&self) -> Option<PhaseGrid> {
+        let is_long = self.n_samples.saturating_mul(self.n_harmonics + 1) >= MANY;
+        is_long.then(|| PhaseGrid::new(self.n_harmonics).ok()).flatten()
     }
 
     fn solve(&self, sums: &[Complex64]) -> Vec<Complex64> {
@@ -93,21 +119,86 @@ impl HarmonicFit {
         }
     }
 
-    /// The periodic signals of several sets of coefficients.
-    pub(crate) fn signals(&self, coefficients: &[Vec<Complex64>]) -> Vec<Vec<f64>> {
+    /// What the harmonics of each signal leave: squared, of all samples, and `Σ_j x_j e^{inψ_j}` of what is left in each
+    /// of the `blocks` of samples.
+    pub(crate) fn rests(
+        &self,
+        signals: &[&[f64]],
+        coefficients: &[Vec<Complex64>],
+        blocks: &[std::ops::Range<usize>],
+    ) -> (Vec<f64>, Vec<Vec<Vec<Complex64>>>) {
+        match self.grid() {
+            Some(mut grid) => self.rests_on(&mut grid, signals, coefficients, blocks),
+            None => self.rests_term_by_term(signals, coefficients, blocks),
+        }
+    }
+
+    fn rests_term_by_term(
+        &self,
+        signals: &[&[f64]],
+        coefficients: &[Vec<Complex64>],
+        blocks: &[std::ops::Range<usize>],
+    ) -> (Vec<f64>, Vec<Vec<Vec<Complex64>>>) {
+        let none = || vec![vec![Complex64::default(); self.n_harmonics + 1]; signals.len()];
+        let (mut squares, mut sums) = (vec![0.0; signals.len()], vec![none(); blocks.len()]);
         let mut powers = vec![Complex64::default(); self.n_harmonics + 1];
-        let mut signals = vec![Vec::with_capacity(self.n_samples); coefficients.len()];
         for j in 0..self.n_samples {
             self.powers(j, &mut powers);
-            for (signal, q) in signals.iter_mut().zip(coefficients) {
-                signal.push(q.iter().zip(&powers).map(|(q, p)| q.re * p.re - q.im * p.im).sum());
+            let mut own = blocks.iter().position(|block| block.contains(&j)).map(|k| &mut sums[k]);
+            for (c, (signal, q)) in signals.iter().zip(coefficients).enumerate() {
+                let model: f64 = q.iter().zip(&powers).map(|(q, p)| q.re * p.re - q.im * p.im).sum();
+                let rest = signal[j] - model;
+                squares[c] += rest * rest;
+                if let Some(sums) = own.as_mut() {
+                    sums[c].iter_mut().zip(&powers).for_each(|(sum, power)| *sum += power * rest);
+                }
             }
         }
-        signals
+        (squares, sums)
+    }
+
+    fn rests_on(
+        &self,
+        grid: &mut PhaseGrid,
+        signals: &[&[f64]],
+        coefficients: &[Vec<Complex64>],
+        blocks: &[std::ops::Range<usize>],
+    ) -> (Vec<f64>, Vec<Vec<Vec<Complex64>>>) {
+        let models: Vec<Vec<f64>> = coefficients.iter().map(|q| grid.filled(q)).collect();
+        let mut squares = vec![0.0; signals.len()];
+        let mut spread = vec![grid.empty(); signals.len()];
+        let mut sums = Vec::with_capacity(blocks.len());
+        let ends = blocks.iter().map(|block| block.end);
+        let (mut j, last) = (0, self.n_samples);
+        for end in ends.chain([last]) {
+            spread.iter_mut().for_each(|spread| spread.fill(0.0));
+            for j in j..end {
+                let weights = grid.weights(self.phase(j));
+                for (c, signal) in signals.iter().enumerate() {
+                    let rest = signal[j] - weights.read(&models[c]);
+                    squares[c] += rest * rest;
+                    weights.spread(rest, &mut spread[c]);
+                }
+            }
+            j = end.max(j);
+            sums.push(spread.iter().map(|spread| grid.sums(spread)).collect());
+        }
+        // What lies behind the blocks belongs to none.
+        sums.truncate(blocks.len());
+        (squares, sums)
+    }
+
+    /// What the harmonics leave of a signal.
+    pub(crate) fn rest(&self, signal: &[f64], coefficients: &[Complex64]) -> Vec<f64> {
+        let (model, _) = self.synthesize(coefficients);
+        signal.iter().zip(&model).map(|(x, m)| x - m).collect()
     }
 
     /// The periodic signal of coefficients, and its derivative with respect to `ln ω`: `Re Σ i n ψ_j q_n e^{inψ_j}`.
     pub(crate) fn synthesize(&self, coefficients: &[Complex64]) -> (Vec<f64>, Vec<f64>) {
+        if let Some(mut grid) = self.grid() {
+            return self.read(&mut grid, coefficients);
+        }
         let mut powers = vec![Complex64::default(); self.n_harmonics + 1];
         let (mut signal, mut slope) = (Vec::with_capacity(self.n_samples), Vec::with_capacity(self.n_samples));
         for j in 0..self.n_samples {
@@ -122,6 +213,20 @@ impl HarmonicFit {
             slope.push(d * self.phase(j));
         }
         (signal, slope)
+    }
+}
+
+impl HarmonicFit {
+    fn read(&self, grid: &mut PhaseGrid, coefficients: &[Complex64]) -> (Vec<f64>, Vec<f64>) {
+        let derivative: Vec<Complex64> =
+            coefficients.iter().enumerate().map(|(n, q)| Complex64::new(0.0, n as f64) * q).collect();
+        let [signal, slope] = [coefficients, &derivative].map(|q| grid.filled(q));
+        let both = (0..self.n_samples).map(|j| {
+            let phase = self.phase(j);
+            let weights = grid.weights(phase);
+            (weights.read(&signal), phase * weights.read(&slope))
+        });
+        both.unzip()
     }
 }
 
@@ -162,6 +267,37 @@ mod tests {
                 prop_assert!((a - b).norm() < 1e-7, "{a} {b}");
             }
         }
+    }
+
+    /// A record that is long enough for the grid, against its sums term by term.
+    #[test]
+    fn long_records_have_the_same_coefficients_and_rests() {
+        let (harmonics, step, n) = (60, 0.0371, 90_000);
+        let fit = HarmonicFit::new(harmonics, step, n).unwrap();
+        assert!(fit.grid().is_some());
+        let q: Vec<Complex64> =
+            (0..=harmonics).map(|k| Complex64::from_polar(1.0 / (1.0 + k as f64).powi(2), -(k as f64))).collect();
+        let (model, slope) = fit.synthesize(&q);
+        let noise = |j: usize| 1e-3 * ((j * j) as f64 * 0.7).sin();
+        let signals: Vec<Vec<f64>> = [1.0, -2.0]
+            .map(|a| model.iter().enumerate().map(|(j, x)| a * x + noise(j) * (1.0 + j as f64 / n as f64)).collect())
+            .into();
+        let signals: Vec<&[f64]> = signals.iter().map(Vec::as_slice).collect();
+        let direct: Vec<Vec<Complex64>> = fit.term_by_term(&signals).iter().map(|sums| fit.solve(sums)).collect();
+        let found = fit.coefficients(&signals);
+        let far = |a: &[Complex64], b: &[Complex64]| a.iter().zip(b).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+        assert!(far(&found[0], &direct[0]) < 1e-12 && far(&found[1], &direct[1]) < 1e-12);
+        let blocks = [0..30_000, 30_000..59_000];
+        let (squares, sums) = fit.rests(&signals, &direct, &blocks);
+        let (expected, expected_sums) = fit.rests_term_by_term(&signals, &direct, &blocks);
+        assert!(squares.iter().zip(&expected).all(|(a, b)| (a / b - 1.0).abs() < 1e-9), "{squares:?} {expected:?}");
+        for (a, b) in sums.iter().flatten().zip(expected_sums.iter().flatten()) {
+            assert!(far(a, b) < 1e-9, "{}", far(a, b));
+        }
+        let (mut powers, at) = (vec![Complex64::default(); harmonics + 1], 77_777);
+        fit.powers(at, &mut powers);
+        let own: Complex64 = q.iter().zip(&powers).enumerate().map(|(n, (q, p))| q * p * n as f64).sum();
+        assert!((slope[at] + own.im * fit.phase(at)).abs() < 1e-9 * fit.phase(at).abs());
     }
 
     #[test]

@@ -107,6 +107,12 @@ pub fn find(places: &[Place], position: f64) -> Option<usize> {
     places.iter().position(near)
 }
 
+/// Number of the position that is this one.
+pub fn row_at(positions: &[f64], position: f64) -> Option<usize> {
+    let largest = positions.iter().fold(position.abs(), |m: f64, x| m.max(x.abs()));
+    positions.iter().position(|own| (own - position).abs() <= SAME_PLACE * largest)
+}
+
 /// The linear modes at the places that have a sensor, as many as can be distinguished, and the positions in their
 /// order.
 pub fn modes_at(

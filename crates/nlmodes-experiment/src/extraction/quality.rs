@@ -1,7 +1,6 @@
 //! Unusable channels, and nonperiodic parts.
 
 use crate::extraction::blocks::Blocks;
-use crate::extraction::guess::strongest_frequency;
 use crate::extraction::layout::{Layout, Place, displacement, displacement_noise, is_at};
 use crate::extraction::{Finding, Tolerances};
 use crate::records::{Record, Role};
@@ -85,25 +84,6 @@ pub fn unused(record: &Record, layout: &Layout, usable: &[bool], findings: &mut 
             _ => continue,
         };
         findings.push(Finding::ChannelUnused { channel: channel.name.clone(), reason });
-    }
-}
-
-/// Reports a signal whose rest without harmonics is more than the tolerated share of it.
-pub fn aperiodic(
-    signal: &[f64],
-    rest: &[f64],
-    channel: &str,
-    sample_rate: f64,
-    tolerance: f64,
-    findings: &mut Vec<Finding>,
-) {
-    let n = signal.len() as f64;
-    let mean = signal.iter().sum::<f64>() / n;
-    let power: f64 = signal.iter().map(|x| (x - mean).powi(2)).sum();
-    let ratio = (rest.iter().map(|x| x * x).sum::<f64>() / power).sqrt();
-    if ratio > tolerance {
-        let strongest_hz = strongest_frequency(rest).unwrap_or(f64::NAN) * sample_rate;
-        findings.push(Finding::Aperiodic { channel: channel.to_owned(), ratio, strongest_hz });
     }
 }
 

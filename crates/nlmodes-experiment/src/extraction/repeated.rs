@@ -3,7 +3,7 @@
 use nlmodes_modal::{LinearDissipation, LinearModes};
 
 use crate::extraction::values::{Method, Values};
-use crate::extraction::{ExcitationFigures, ExtractionError, Measured, ModalFigures};
+use crate::extraction::{ExcitationFigures, ExtractionError, Measured, ModalFigures, ModeErrors};
 
 use num_complex::Complex64;
 
@@ -12,6 +12,8 @@ use num_complex::Complex64;
 pub struct Repeated {
     pub all: Values,
     single: Vec<Values>,
+    /// What noise adds to the power that damping ratios dissipate, W.
+    by_noise: f64,
     /// The values at a frequency that is higher by the standard error of the sampling rate, where that has one.
     stretched: Option<Values>,
 }
@@ -23,19 +25,20 @@ pub fn rate_deviation(rate_error: f64) -> f64 {
 
 impl Repeated {
     /// Evaluates the coefficients of all periods and of single ones; `rate_error` is the bound of the sampling rate's
-    /// relative error.
+    /// relative error, beside the number of samples.
     pub fn new(
         method: &Method<'_>,
         all: &[Vec<Complex64>],
         single: &[Vec<Vec<Complex64>>],
-        rate_error: f64,
+        (rate_error, n_samples): (f64, usize),
     ) -> Result<Self, ExtractionError> {
+        let by_noise = method.dissipated_by_noise(n_samples);
         // Coefficients belong to phases, not to times: another sampling rate changes the frequency at which they are
         // taken, nothing else.
         let stretched = Method { omega: method.omega * (1.0 + rate_deviation(rate_error)), ..method.clone() };
         let stretched = (rate_error > 0.0).then(|| stretched.values(all)).transpose()?;
         let single = single.iter().map(|q| method.values(q)).collect::<Result<_, _>>()?;
-        Ok(Self { all: method.values(all)?, single, stretched })
+        Ok(Self { all: method.values(all)?, single, by_noise, stretched })
     }
 
     /// A figure with its uncertainty.
@@ -59,18 +62,28 @@ impl Repeated {
         })
     }
 
+    /// The power of the force that the damping ratios do not take, which have their own errors.
+    fn contact_dissipation(&self, errors: ModeErrors) -> Option<Measured> {
+        let lost = |f: &Values| Some(f.power?.active - f.modal.as_ref()?.dissipated);
+        let taken = self.all.modal.as_ref()?.dissipated - self.by_noise;
+        let measured = self.measured(lost)?;
+        let of_modes = taken * errors.damping.hypot(2.0 * errors.shape);
+        Some(Measured { value: measured.value + self.by_noise, ..measured }.and(of_modes))
+    }
+
     /// The modal figures.
-    pub fn modal(&self, modes: Option<&LinearModes>, omega: f64) -> Option<ModalFigures> {
+    pub fn modal(&self, modes: Option<&LinearModes>, errors: ModeErrors, omega: f64) -> Option<ModalFigures> {
         let (modal, modes) = (self.all.modal.as_ref()?, modes?);
         let factor = |k: usize| self.measured(move |f| Some(f.modal.as_ref()?.participation.factors[k]));
-        let errors = (0..modes.n_modes()).map(|k| factor(k).map_or(f64::NAN, |factor| factor.uncertainty));
+        let spreads = (0..modes.n_modes()).map(|k| factor(k).map_or(f64::NAN, |factor| factor.uncertainty));
         Some(ModalFigures {
             amplitude: self.measured(|f| Some(f.modal.as_ref()?.shape.modal_amplitude))?,
             shape: modal.shape.clone(),
             participation: modal.participation.clone(),
-            participation_uncertainty: errors.collect(),
+            participation_uncertainty: spreads.collect(),
             damping: self.measured(|f| f.modal.as_ref()?.damping),
             dissipation: LinearDissipation::new(modes, &modal.coordinates, omega),
+            contact_dissipation: self.contact_dissipation(errors),
             kinetic_energy: self.measured(|f| Some(f.modal.as_ref()?.harmonic_energy.iter().sum()))?,
             harmonic_energy: modal.harmonic_energy.clone(),
         })

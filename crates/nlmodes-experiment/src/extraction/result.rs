@@ -3,7 +3,7 @@ use nlmodes_modal::{
     Restitution, TimeHistory,
 };
 
-use crate::extraction::{ExcitationPower, Finding, Measured};
+use crate::extraction::{BalanceFigures, ExcitationPower, Finding, Measured};
 
 /// What a record says about a nonlinear mode.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,6 +28,8 @@ pub struct RecordExtraction {
     pub excitation: Option<ExcitationFigures>,
     /// Quantities of the contact, where its force was measured.
     pub contact: Option<ContactFigures>,
+    /// The same from the balance of the linear modes, without the force that was measured.
+    pub balance: Option<BalanceFigures>,
     /// What a careful experimenter wants to be told.
     pub findings: Vec<Finding>,
 }
@@ -48,6 +50,9 @@ pub struct ModalFigures {
     pub damping: Option<Measured>,
     /// Power that the damping ratios of the linear modes dissipate, eqs. (25), (26).
     pub dissipation: LinearDissipation,
+    /// Power that they do not dissipate of what the force supplies in as many harmonics, eq. (17), W: lost at the
+    /// contact, or in modes that are not in the table.
+    pub contact_dissipation: Option<Measured>,
     /// Kinetic energy averaged over a period, J.
     pub kinetic_energy: Measured,
     /// The share of each harmonic in it, J, from harmonic 0 on.

@@ -17,6 +17,8 @@ pub struct ExtractionSettings {
     pub frequency_from_phase: bool,
     /// Mass-normalised linear modes at the positions of the response channels.
     pub linear_modes: Option<LinearModes>,
+    /// How well they are known.
+    pub mode_errors: ModeErrors,
     /// The stop, for restitution and contact stiffness.
     pub stop: Option<Stop>,
     /// From where on something is worth telling.
@@ -35,9 +37,27 @@ impl Default for ExtractionSettings {
             omega: None,
             frequency_from_phase: true,
             linear_modes: None,
+            mode_errors: ModeErrors::default(),
             stop: None,
             tolerances: Tolerances::default(),
         }
+    }
+}
+
+/// Standard errors of linear modes, relative; what is derived from the modes beside the motion has them in its own.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ModeErrors {
+    /// Of eigenfrequencies: 1e-3.
+    pub frequency: f64,
+    /// Of damping ratios: 0.1.
+    pub damping: f64,
+    /// Of shapes, at each position: 0.01.
+    pub shape: f64,
+}
+
+impl Default for ModeErrors {
+    fn default() -> Self {
+        Self { frequency: 1e-3, damping: 0.1, shape: 0.01 }
     }
 }
 

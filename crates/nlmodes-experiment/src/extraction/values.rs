@@ -5,7 +5,7 @@ use nlmodes_modal::{
 };
 use num_complex::Complex64;
 
-use crate::extraction::layout::{Layout, Place, displacement};
+use crate::extraction::layout::{Layout, Place, displacement, displacement_noise};
 use crate::extraction::{ExcitationPower, ExtractionError};
 
 /// What does not change from period to period.
@@ -47,6 +47,8 @@ pub struct Modal {
     pub coordinates: HarmonicCoefficients,
     pub participation: Participation,
     pub damping: Option<f64>,
+    /// Power that the damping ratios take in the harmonics of the power, W.
+    pub dissipated: f64,
     /// Kinetic energy of each harmonic, averaged over a period, J.
     pub harmonic_energy: Vec<f64>,
 }
@@ -65,8 +67,39 @@ impl Method<'_> {
         let power = drive.as_ref().zip(force).map(|(drive, force)| self.power(force, drive));
         let lag = drive.as_ref().zip(force).map(|(drive, force)| (force[1] / drive[1]).arg());
         let anchor = drive.map(|drive| drive[1].arg());
-        let modal = self.modes.as_ref().map(|modes| self.modal(modes, &motion, anchor, power.as_ref())).transpose()?;
+        let modal = self.modes.as_ref().map(|modes| {
+            let eta = |n: usize| modes.project(&self.shape_places.iter().map(|place| at(place, n)).collect::<Vec<_>>());
+            let dissipated = (1..=self.power_harmonics).map(|n| self.dissipated(modes, &eta(n), n)).sum();
+            self.modal(modes, &motion, anchor, power.as_ref()).map(|modal| Modal { dissipated, ..modal })
+        });
+        let modal = modal.transpose()?;
         Ok(Values { motion, power, lag, force: force.map(|force| force[1].norm()), modal })
+    }
+
+    /// Power that damping ratios take in a harmonic of modal coordinates, eq. (25), W.
+    fn dissipated(&self, modes: &LinearModes, eta: &[Complex64], n: usize) -> f64 {
+        let rates = modes.omegas().iter().zip(modes.damping_ratios()).map(|(omega, zeta)| zeta * omega);
+        let sum: f64 = rates.zip(eta).map(|(rate, eta)| rate * eta.norm_sqr()).sum();
+        (n as f64 * self.omega).powi(2) * sum
+    }
+
+    /// How much noise of the sensors adds to it, with so many samples.
+    pub fn dissipated_by_noise(&self, n_samples: usize) -> f64 {
+        let Some(modes) = &self.modes else { return 0.0 };
+        let unit = |d: usize| {
+            let place = |i: usize| Complex64::from(if i == d { 1.0 } else { 0.0 });
+            modes.project(&(0..self.shape_places.len()).map(place).collect::<Vec<_>>())
+        };
+        let units: Vec<Vec<Complex64>> = (0..self.shape_places.len()).map(unit).collect();
+        let of = |n: usize| -> f64 {
+            let one = |(place, unit): (&Place, &Vec<Complex64>)| {
+                // Real and imaginary part have each this variance.
+                let sigma = displacement_noise(place, self.noise, self.omega, n, n_samples);
+                2.0 * sigma * sigma * self.dissipated(modes, unit, n)
+            };
+            self.shape_places.iter().zip(&units).map(one).sum()
+        };
+        (1..=self.power_harmonics).map(of).sum()
     }
 
     fn power(&self, force: &[Complex64], drive: &[Complex64]) -> ExcitationPower {
@@ -91,6 +124,6 @@ impl Method<'_> {
         let damping = power.map(|power| damping_coefficient(power.fundamental, shape.modal_amplitude, self.omega));
         let energy = |n: usize| 0.25 * (n as f64 * self.omega).powi(2) * square(n);
         let harmonic_energy = (0..=self.harmonics).map(energy).collect();
-        Ok(Modal { shape, coordinates, participation, damping, harmonic_energy })
+        Ok(Modal { shape, coordinates, participation, damping, dissipated: 0.0, harmonic_energy })
     }
 }

@@ -21,7 +21,9 @@ pub enum RecordError {
     #[error("the record cannot be read or written: {0}")]
     Stream(#[from] io::Error),
     /// No reader for files of this kind.
-    #[error("files with the ending \"{extension}\" are not records; known are .csv, .uff, .unv, .wav and .npy")]
+    #[error(
+        "files with the ending \"{extension}\" are not records; known are .csv, .uff, .unv, .wav, .npy, .tdms, .mat and .h5"
+    )]
     Extension {
         /// Ending of the name.
         extension: String,
@@ -295,6 +297,14 @@ pub enum RecordError {
     /// Not a sound Universal File.
     #[error(transparent)]
     Uff(#[from] UffError),
+    /// A TDMS file that cannot be read.
+    #[error("the TDMS file cannot be read at byte {byte}: {message}")]
+    Tdms {
+        /// Where, from 0.
+        byte: u64,
+        /// Why.
+        message: String,
+    },
     /// Not a sound WAV file.
     #[error("the WAV file cannot be read: {message}")]
     Wav {

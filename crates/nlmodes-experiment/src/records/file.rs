@@ -3,8 +3,8 @@ use std::io::{BufReader, BufWriter, ErrorKind, Write};
 use std::path::Path;
 
 use crate::records::{
-    ByteOrder, Channel, Record, RecordError, RecordTable, Storage, read_csv, read_npy, read_uff, read_wav, write_csv,
-    write_npy, write_uff, write_wav,
+    ByteOrder, Channel, Record, RecordError, RecordTable, Storage, read_csv, read_npy, read_tdms, read_uff, read_wav,
+    write_csv, write_npy, write_uff, write_wav,
 };
 
 /// Data of a recording in addition to its files.
@@ -19,7 +19,7 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Reads a record; the file extension determines the format: `.csv`, `.uff` or `.unv`, `.wav`, `.npy`.
+    /// Reads a record; the file extension determines the format: `.csv`, `.uff` or `.unv`, `.wav`, `.npy`, `.tdms`.
     ///
     /// # Errors
     /// [`RecordError`].
@@ -46,7 +46,7 @@ impl Recording {
 
     fn open(path: &Path) -> Result<File, RecordError> {
         let extension = extension(path);
-        if !["csv", "uff", "unv", "wav", "npy"].contains(&extension.as_str()) {
+        if !["csv", "uff", "unv", "wav", "npy", "tdms"].contains(&extension.as_str()) {
             return Err(RecordError::Extension { extension });
         }
         let io = |source| RecordError::Io { path: path.to_path_buf(), source };
@@ -63,6 +63,7 @@ impl Recording {
             "csv" => read_csv(file, self.time_column.as_deref()),
             "wav" => read_wav(file),
             "npy" => read_npy(file),
+            "tdms" => read_tdms(file),
             _ => read_uff(file),
         };
         table.map_err(|error| match error {

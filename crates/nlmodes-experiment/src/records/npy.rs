@@ -1,10 +1,10 @@
 //! NumPy arrays.
 
-use std::io::{Read, Write};
+use std::io::{Cursor, Read, Write};
 
 use npyz::{AutoSerialize, DType, Deserialize, NpyFile, Order, WriterBuilder};
 
-use crate::records::limits::{MAX_CHANNELS, read_all};
+use crate::records::limits::{MAX_BYTES, MAX_CHANNELS};
 use crate::records::{Column, Record, RecordError, RecordTable};
 
 /// Most bytes of the text that describes an array.
@@ -16,9 +16,12 @@ const MAX_HEADER: usize = 4096;
 /// # Errors
 /// [`RecordError::Npy`] and what limits there are.
 pub fn read_npy(source: impl Read) -> Result<RecordTable, RecordError> {
-    let bytes = read_all(source)?;
-    check_header(&bytes).map_err(refuse)?;
-    let file = NpyFile::new(&bytes[..]).map_err(|error| refuse(error.to_string()))?;
+    // As much as a header has, and then the numbers as they come.
+    let mut begin = Vec::new();
+    let mut source = source.take(MAX_BYTES + 1);
+    source.by_ref().take(MAX_HEADER as u64 + 12).read_to_end(&mut begin)?;
+    check_header(&begin).map_err(refuse)?;
+    let file = NpyFile::new(Cursor::new(begin).chain(source)).map_err(|error| refuse(error.to_string()))?;
     let (shape, order) = (file.shape().to_vec(), file.order());
     let (rows, columns) = match shape.as_slice() {
         [rows] => (*rows as usize, 1),
@@ -33,24 +36,27 @@ pub fn read_npy(source: impl Read) -> Result<RecordTable, RecordError> {
     if samples < 2 || channels == 0 {
         return Err(RecordError::Empty { samples: if channels == 0 { 0 } else { samples } });
     }
-    let values = numbers(file)?;
+    let size = if let DType::Plain(kind) = file.dtype() { kind.num_bytes().unwrap_or(1) as u64 } else { 1 };
+    if (samples as u64).saturating_mul(channels as u64).saturating_mul(size) > MAX_BYTES {
+        return Err(RecordError::TooLarge { limit: MAX_BYTES });
+    }
     // Neighbours in memory belong to one channel where rows are channels in C order, or columns are in Fortran order.
     let together = by_rows == (order == Order::Fortran);
-    let at = |j: usize, c: usize| if together { c * samples + j } else { j * channels + c };
-    let column = |c: usize| Column::new((c + 1).to_string(), (0..samples).map(|j| values[at(j, c)]).collect());
-    Ok(RecordTable { columns: (0..channels).map(column).collect(), named: false })
+    let mut columns: Vec<Column> = (0..channels).map(|c| Column::new((c + 1).to_string(), vec![])).collect();
+    numbers(file, |i, x| columns[if together { i / samples } else { i % channels }].values.push(x))?;
+    Ok(RecordTable { columns, named: false })
 }
 
 /// Accepts only headers of plain arrays: the parser after it recurses over brackets and multiplies lengths unchecked.
 fn check_header(bytes: &[u8]) -> Result<(), String> {
     let start = if bytes.get(6) == Some(&1) { 10 } else { 12 };
     let claimed = bytes.get(8..start).unwrap_or_default().iter().rev().fold(0_usize, |n, b| (n << 8) | usize::from(*b));
+    if claimed > MAX_HEADER && bytes.len() > MAX_HEADER {
+        return Err(format!("its header has {claimed} bytes, {MAX_HEADER} are read"));
+    }
     let Some(text) = bytes.get(start..).filter(|rest| claimed <= rest.len()).map(|rest| &rest[..claimed]) else {
         return Err("it ends within its header, or is no NumPy file at all".into());
     };
-    if claimed > MAX_HEADER {
-        return Err(format!("its header has {claimed} bytes, {MAX_HEADER} are read"));
-    }
     let count = |wanted: &[u8]| text.iter().filter(|b| wanted.contains(b)).count();
     if count(b"[") > 0 || count(b"(") > 1 || count(b"{") > 1 {
         return Err("it holds records of several fields, or its header is damaged; expected a plain array".into());
@@ -59,30 +65,34 @@ fn check_header(bytes: &[u8]) -> Result<(), String> {
     if count(b"0123456789") > 18 { Err("its shape is too large".into()) } else { Ok(()) }
 }
 
-fn numbers(file: NpyFile<&[u8]>) -> Result<Vec<f64>, RecordError> {
+/// Passes each number with its place to `take`.
+fn numbers<R: Read>(file: NpyFile<R>, take: impl FnMut(usize, f64)) -> Result<(), RecordError> {
     let DType::Plain(kind) = file.dtype() else { return Err(refuse("its elements are not plain numbers")) };
     match kind.to_string().trim_start_matches(['<', '>', '|', '=']) {
-        "f8" => convert::<f64>(file, |x| x),
-        "f4" => convert::<f32>(file, f64::from),
-        "i1" => convert::<i8>(file, f64::from),
-        "u1" => convert::<u8>(file, f64::from),
-        "i2" => convert::<i16>(file, f64::from),
-        "u2" => convert::<u16>(file, f64::from),
-        "i4" => convert::<i32>(file, f64::from),
-        "u4" => convert::<u32>(file, f64::from),
-        "i8" => convert::<i64>(file, |x| x as f64),
+        "f8" => convert::<f64, R>(file, take, |x| x),
+        "f4" => convert::<f32, R>(file, take, f64::from),
+        "i1" => convert::<i8, R>(file, take, f64::from),
+        "u1" => convert::<u8, R>(file, take, f64::from),
+        "i2" => convert::<i16, R>(file, take, f64::from),
+        "u2" => convert::<u16, R>(file, take, f64::from),
+        "i4" => convert::<i32, R>(file, take, f64::from),
+        "u4" => convert::<u32, R>(file, take, f64::from),
+        "i8" => convert::<i64, R>(file, take, |x| x as f64),
         other => Err(refuse(format!("its elements are of type {other}, not real numbers"))),
     }
 }
 
-fn convert<T: Deserialize>(file: NpyFile<&[u8]>, to: impl Fn(T) -> f64) -> Result<Vec<f64>, RecordError> {
+fn convert<T: Deserialize, R: Read>(
+    file: NpyFile<R>,
+    mut take: impl FnMut(usize, f64),
+    to: impl Fn(T) -> f64,
+) -> Result<(), RecordError> {
     let data = file.data::<T>().map_err(|error| refuse(error.to_string()))?;
     // Memory is allocated as the numbers are read, whatever the header claims.
-    let mut values = Vec::new();
-    for x in data {
-        values.push(to(x.map_err(|error| refuse(format!("it ends after {} numbers: {error}", values.len())))?));
+    for (i, x) in data.enumerate() {
+        take(i, to(x.map_err(|error| refuse(format!("it ends after {i} numbers: {error}")))?));
     }
-    Ok(values)
+    Ok(())
 }
 
 fn refuse(message: impl Into<String>) -> RecordError {

@@ -1,10 +1,10 @@
 //! WAV files.
 
-use std::io::{Cursor, Read, Seek, Write};
+use std::io::{Read, Seek, Write};
 
 use hound::{SampleFormat, WavReader, WavSpec, WavWriter};
 
-use crate::records::limits::{MAX_CHANNELS, read_all};
+use crate::records::limits::{MAX_BYTES, MAX_CHANNELS};
 use crate::records::{Column, Record, RecordError, RecordTable, SampleRate};
 
 /// Reads the channels of a WAV file: floating-point samples as they are, whole numbers over their full scale. The
@@ -13,7 +13,10 @@ use crate::records::{Column, Record, RecordError, RecordTable, SampleRate};
 /// # Errors
 /// [`RecordError::Wav`] and what limits there are.
 pub fn read_wav(source: impl Read) -> Result<RecordTable, RecordError> {
-    let mut reader = WavReader::new(Cursor::new(read_all(source)?)).map_err(|error| refuse(&error))?;
+    let mut reader = WavReader::new(source).map_err(|error| refuse(&error))?;
+    if u64::from(reader.len()) * u64::from(reader.spec().bits_per_sample) / 8 > MAX_BYTES {
+        return Err(RecordError::TooLarge { limit: MAX_BYTES });
+    }
     let spec = reader.spec();
     let channels = usize::from(spec.channels);
     if channels == 0 || spec.sample_rate == 0 || spec.bits_per_sample == 0 {
@@ -77,6 +80,8 @@ pub fn write_wav(target: impl Write + Seek, record: &Record) -> Result<(), Recor
 
 #[cfg(test)]
 mod tests {
+    use std::io::Cursor;
+
     use super::*;
     use crate::records::{Channel, Quantity, Role};
 

@@ -12,6 +12,7 @@ mod phase_loop;
 mod pyuff;
 mod slips;
 mod support;
+mod tdms;
 mod time_stamps;
 mod uff;
 mod units;

@@ -14,6 +14,7 @@ use self::element::{Elements, Order, Tag};
 use super::compressed::Layout;
 use super::matlab::{Leaf, MAX_ARRAYS, MatPath, chosen};
 use super::{check_entries, check_order};
+use crate::NumberArray;
 use crate::build::Stored;
 use crate::error::{Place, Problem, ReadError, Result};
 use crate::lower::LowerTriangle;
@@ -33,6 +34,19 @@ pub(super) fn read(path: &Path, name: Option<&str>, order: Option<usize>) -> Res
     let contents = file.contents()?;
     let at = chosen(path, name, &contents.leaves, &contents.objects)?;
     file.matrix(contents.starts[at], &contents.leaves[at].path, order)
+}
+
+/// All real arrays of numbers that are not sparse.
+pub(super) fn read_arrays(path: &Path) -> Result<Vec<NumberArray>> {
+    let file = Mat { path };
+    let mut arrays = Vec::new();
+    file.each(&mut |_, path, head, elements| {
+        if NUMBERS.contains(&head.class) && !head.complex {
+            arrays.extend(file.array(path, head, elements)?);
+        }
+        Ok(false)
+    })?;
+    Ok(arrays)
 }
 
 /// The arrays of numbers of a file, and where the variables begin in which they are.
@@ -68,6 +82,9 @@ impl Head {
     }
 }
 
+/// What is done with an array, of a variable that begins at a byte.
+type EachArray<'v> = dyn FnMut(u64, &MatPath, &Head, &mut Elements<'_>) -> Result<bool> + 'v;
+
 struct Mat<'a> {
     path: &'a Path,
 }
@@ -88,8 +105,35 @@ impl Mat<'_> {
 
     /// All arrays of numbers.
     fn contents(&self) -> Result<Contents> {
-        let (mut file, order, length) = self.open()?;
         let mut contents = Contents::default();
+        self.each(&mut |start, path, head, _| {
+            contents.take(start, path, head);
+            Ok(false)
+        })?;
+        Ok(contents)
+    }
+
+    /// The numbers after a header; none of an empty array.
+    fn array(&self, path: &MatPath, head: &Head, elements: &mut Elements<'_>) -> Result<Option<NumberArray>> {
+        let name = path.to_string();
+        let count = head.dimensions.iter().try_fold(1_u64, |product, length| product.checked_mul(*length));
+        let mut numbers = elements.numbers("pr")?;
+        if Some(numbers.count()) != count {
+            let (what, expected) = ("number of values".into(), count.unwrap_or(u64::MAX));
+            let problem = Problem::Size { what, expected, found: numbers.count() };
+            return Err(ReadError::new(self.path, Place::Part(name), problem));
+        }
+        let mut values = Vec::new();
+        while let Some(value) = numbers.next()? {
+            values.push(value);
+        }
+        let dimensions = head.dimensions.iter().map(|length| *length as usize).collect();
+        Ok(Some(NumberArray { name, dimensions, values }).filter(|array| !array.values.is_empty()))
+    }
+
+    /// Visits all arrays that hold none, each with the byte at which its variable begins.
+    fn each(&self, visit: &mut EachArray<'_>) -> Result<()> {
+        let (mut file, order, length) = self.open()?;
         let (mut start, mut count) = (HEADER, 0);
         while start < length {
             let tag = self.top(&mut file, order, start)?;
@@ -108,15 +152,13 @@ impl Mat<'_> {
             if matches!(tag.kind, MATRIX | COMPRESSED) {
                 let variable = format!("variable at byte {start}");
                 let mut elements = self.elements(&mut file, order, tag, &variable)?;
-                let mut visit = |path: &MatPath, head: &Head, _: &mut Elements<'_>| {
-                    contents.take(start, path, head);
-                    Ok(false)
-                };
-                Walk::new(&mut visit).array(&mut elements, None, 0)?;
+                let mut own =
+                    |path: &MatPath, head: &Head, elements: &mut Elements<'_>| visit(start, path, head, elements);
+                Walk::new(&mut own).array(&mut elements, None, 0)?;
             }
             start += 8 + tag.length;
         }
-        Ok(contents)
+        Ok(())
     }
 
     fn top(&self, file: &mut BufReader<File>, order: Order, start: u64) -> Result<Tag> {

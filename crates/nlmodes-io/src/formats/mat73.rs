@@ -8,6 +8,7 @@ use hdf5_pure::{AttrValue, ChunkIndex, Dataset, Datatype, File, Group, Object};
 use super::compressed::Layout;
 use super::matlab::{DEEPEST, Leaf, MAX_ARRAYS, MatPath, chosen};
 use super::{check_entries, check_order};
+use crate::NumberArray;
 use crate::build::Stored;
 use crate::error::{Place, Problem, ReadError, Result};
 use crate::lower::LowerTriangle;
@@ -28,6 +29,28 @@ pub(super) fn read(path: &Path, name: Option<&str>, order: Option<usize>) -> Res
     }
 }
 
+/// All real arrays of numbers that are not sparse.
+pub(super) fn read_arrays(path: &Path) -> Result<Vec<NumberArray>> {
+    let mat = Mat { path, file: File::open_streaming(path).map_err(|error| refused(path, Place::File, &error))? };
+    let mut contents = Contents { is_of_any_size: true, ..Contents::default() };
+    mat.group(&mat.file.root(), None, 0, &mut contents)?;
+    let mut arrays = Vec::new();
+    for (leaf, array) in contents.leaves.iter().zip(&contents.arrays) {
+        let Array::Full(set) = array else { continue };
+        // Texts and compound numbers, as complex ones are, are none.
+        if !matches!(set.datatype(), Ok(Datatype::FixedPoint { .. } | Datatype::FloatingPoint { .. })) {
+            continue;
+        }
+        let name = leaf.path.to_string();
+        mat.check(&name, set, None)?;
+        let values = mat.values(set, &name)?;
+        let dimensions = leaf.dimensions.iter().map(|length| *length as usize).collect();
+        arrays.push(NumberArray { name, dimensions, values });
+    }
+    arrays.retain(|array| !array.values.is_empty());
+    Ok(arrays)
+}
+
 /// An array of numbers.
 enum Array {
     Sparse(Group),
@@ -40,6 +63,8 @@ struct Contents {
     leaves: Vec<Leaf>,
     arrays: Vec<Array>,
     objects: Vec<String>,
+    /// Whether lists, and what is true or false, count, too.
+    is_of_any_size: bool,
     /// Groups and data sets already visited.
     count: usize,
 }
@@ -111,8 +136,12 @@ impl Mat<'_> {
         let (Ok(mut dimensions), Ok(of)) = (set.shape(), set.datatype()) else { return Ok(()) };
         dimensions.reverse();
         if !matches!(of, Datatype::Reference { .. }) {
-            let is_text = matches!(class.as_deref(), Some("char" | "logical"));
-            if dimensions.len() == 2 && !is_text && !attributes.contains_key("MATLAB_empty") {
+            let is_none =
+                class.as_deref() == Some("char") || (class.as_deref() == Some("logical") && !contents.is_of_any_size);
+            if (dimensions.len() == 2 || contents.is_of_any_size)
+                && !is_none
+                && !attributes.contains_key("MATLAB_empty")
+            {
                 contents.push(path.clone(), dimensions, Array::Full(set));
             }
             return Ok(());

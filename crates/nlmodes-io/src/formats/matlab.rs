@@ -8,6 +8,7 @@ use std::path::Path;
 
 pub(super) use self::path::MatPath;
 use super::{mat5, mat73};
+use crate::NumberArray;
 use crate::error::{Problem, ReadError, Result};
 use crate::lower::LowerTriangle;
 
@@ -29,16 +30,37 @@ impl Leaf {
     }
 }
 
+/// The two kinds of files.
+enum Kind {
+    Elements,
+    Hdf5,
+}
+
 pub(super) fn read(path: &Path, name: Option<&str>, order: Option<usize>) -> Result<LowerTriangle> {
+    match kind(path)? {
+        Kind::Elements => mat5::read(path, name, order),
+        Kind::Hdf5 => mat73::read(path, name, order),
+    }
+}
+
+/// All real arrays of numbers.
+pub(super) fn read_arrays(path: &Path) -> Result<Vec<NumberArray>> {
+    match kind(path)? {
+        Kind::Elements => mat5::read_arrays(path),
+        Kind::Hdf5 => mat73::read_arrays(path),
+    }
+}
+
+fn kind(path: &Path) -> Result<Kind> {
     let failed = |error| ReadError::whole(path, Problem::Io(error));
     let mut start = Vec::new();
     File::open(path).map_err(failed)?.take(520).read_to_end(&mut start).map_err(failed)?;
     let hdf5 = b"\x89HDF\r\n\x1a\n";
     if start.get(512..).is_some_and(|rest| rest.starts_with(hdf5)) || start.starts_with(hdf5) {
-        return mat73::read(path, name, order);
+        return Ok(Kind::Hdf5);
     }
     if let Some([_, _, b'I', b'M'] | [_, _, b'M', b'I']) = start.get(124..128) {
-        return mat5::read(path, name, order);
+        return Ok(Kind::Elements);
     }
     let found = if is_version_4(&start) {
         "a file of version 4, as `save -v4` writes it".to_owned()

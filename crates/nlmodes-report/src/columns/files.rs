@@ -1,11 +1,11 @@
 use super::{
-    AppropriationRow, BranchRow, Column, ContactRow, DifferenceRow, FileMeaning, ModalPointRow, ParticipationRow,
-    ResponseDifferenceRow, ResponseRow, Row, StopDifferenceRow, TouchRow,
+    AppropriationRow, BranchRow, Column, ContactRow, DecayRow, DifferenceRow, FileMeaning, ModalPointRow,
+    ParticipationRow, ResponseDifferenceRow, ResponseRow, Row, StopDifferenceRow, TouchRow,
 };
 use crate::table::{HARMONIC_ARRAYS, HISTORY_ARRAYS, MATLAB_VARIABLES, START_ARRAYS, TRANSIENT_ARRAYS};
 
 /// The results files of a structure, in order of usefulness.
-pub const FILES: [FileMeaning; 25] = [
+pub const FILES: [FileMeaning; 27] = [
     FileMeaning {
         name: "branch.csv",
         meaning: "The branch, a row a point, written as points are found; other branches of a run stand in folders of \
@@ -53,6 +53,17 @@ pub const FILES: [FileMeaning; 25] = [
         name: "modal_points.csv",
         meaning: "Of records and virtual tests, a row a record or level; cells that a record does not give are empty",
         columns: &[ModalPointRow::COLUMNS],
+    },
+    FileMeaning {
+        name: "decay.csv",
+        meaning: "Of records with `[free_decay]`, the points of the decays, a row a block of three periods",
+        columns: &[DecayRow::COLUMNS],
+    },
+    FileMeaning {
+        name: "design.json",
+        meaning: "Of `experiment design`: places for the exciter, settings of the loop, of each level whether it is held \
+            and the largest reading of each channel, ranges for the sensors",
+        columns: &[],
     },
     FileMeaning {
         name: "backbone.csv",

@@ -41,6 +41,15 @@ row! {
         total_power_w: Option<f64>, "W",
             "active power of the force in as many harmonics as pbmif_harmonics says, eq. (17)";
         linear_dissipation_w: Option<f64>, "W", "power that the damping ratios of the linear modes would take";
+        contact_dissipation_w: Option<f64>, "W",
+            "total_power_w less what the damping ratios of the linear modes take in the same harmonics: lost at the \
+             contact, or in modes that are not in the table";
+        balance_peak_force_n: Option<f64>, "N",
+            "largest contact force by the balance of the linear modes, without the force cell; empty where it is within \
+             its errors";
+        balance_impulse_ns: Option<f64>, "N s", "its integral over a period, by the balance of the linear modes";
+        balance_restitution: Option<f64>, "", "speed after over speed before a contact, where that force begins and ends";
+        balance_stiffness_n_m: Option<f64>, "N/m", "slope of that force over the displacement at the stop";
         energy_j: Option<f64>, "J", "kinetic energy, averaged over a period";
         periods: Option<usize>, "", "whole periods that were evaluated";
         frequency_hz_uncertainty: Option<f64>, "Hz",
@@ -54,9 +63,30 @@ row! {
         force_n_uncertainty: Option<f64>, "N", "the same";
         power_w_uncertainty: Option<f64>, "W", "the same";
         total_power_w_uncertainty: Option<f64>, "W", "the same";
+        contact_dissipation_w_uncertainty: Option<f64>, "W", "the same, with the errors of the linear modes";
+        balance_peak_force_n_uncertainty: Option<f64>, "N", "the same, with the errors of the linear modes";
+        balance_impulse_ns_uncertainty: Option<f64>, "N s", "the same, with the errors of the linear modes";
+        balance_restitution_uncertainty: Option<f64>, "", "change over the distance of two points of the force";
+        balance_stiffness_n_m_uncertainty: Option<f64>, "N/m", "the share of the uncertainty of the peak";
         energy_j_uncertainty: Option<f64>, "J", "the same";
         participation_uncertainty "participation_…_uncertainty": Numbered<Option<f64>>, "", "the same";
         findings: String, "",
             "names of what was found wrong with the record, one space between; `summary.json` says each in words";
+    }
+}
+
+row! {
+    /// A point of a free decay, of `decay.csv`.
+    DecayRow {
+        record: String, "", "name of the record";
+        time_s: f64, "s", "instant, on the time axis of the record";
+        frequency_hz: f64, "Hz", "frequency";
+        modal_amplitude: f64, "m √kg",
+            "modal amplitude of the first harmonic; without linear modes the amplitude of the displacement, m";
+        damping: f64, "",
+            "damping ratio, from the decay of twice the kinetic energy over the frequency: that of the damped mode";
+        frequency_hz_uncertainty: f64, "Hz", "standard error, of the course over seven blocks of three periods";
+        modal_amplitude_uncertainty: f64, "m √kg", "the same";
+        damping_uncertainty: f64, "", "the same";
     }
 }

@@ -3,7 +3,9 @@
 mod analysis;
 mod beam;
 mod extracted;
+mod force_by_balance;
 mod forced_response;
+mod free_decay;
 mod hostile;
 mod integration;
 mod long_records;

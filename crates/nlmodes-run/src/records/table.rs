@@ -122,6 +122,12 @@ fn row(found: &RecordExtraction, modes: usize) -> ModalPointRow {
     let [force_n, force_n_uncertainty] = both(excitation.map(|e| e.force));
     let [power_w, power_w_uncertainty] = both(excitation.map(|e| e.fundamental_power));
     let [total_power_w, total_power_w_uncertainty] = both(excitation.map(|e| e.total_power));
+    let [contact_dissipation_w, contact_dissipation_w_uncertainty] = both(modal.and_then(|m| m.contact_dissipation));
+    let balance = found.balance.as_ref();
+    let [balance_peak_force_n, balance_peak_force_n_uncertainty] = both(balance.map(|b| b.peak_force));
+    let [balance_impulse_ns, balance_impulse_ns_uncertainty] = both(balance.map(|b| b.impulse));
+    let [balance_restitution, balance_restitution_uncertainty] = both(balance.and_then(|b| b.restitution));
+    let [balance_stiffness_n_m, balance_stiffness_n_m_uncertainty] = both(balance.and_then(|b| b.stiffness));
     let [energy_j, energy_j_uncertainty] = both(modal.map(|m| m.kinetic_energy));
     ModalPointRow {
         record: String::new(),
@@ -149,6 +155,11 @@ fn row(found: &RecordExtraction, modes: usize) -> ModalPointRow {
         power_w,
         total_power_w,
         linear_dissipation_w: finite(modal.map(|m| m.dissipation.total())),
+        contact_dissipation_w,
+        balance_peak_force_n,
+        balance_impulse_ns,
+        balance_restitution,
+        balance_stiffness_n_m,
         energy_j,
         periods: Some(found.periods),
         frequency_hz_uncertainty,
@@ -161,6 +172,11 @@ fn row(found: &RecordExtraction, modes: usize) -> ModalPointRow {
         force_n_uncertainty,
         power_w_uncertainty,
         total_power_w_uncertainty,
+        contact_dissipation_w_uncertainty,
+        balance_peak_force_n_uncertainty,
+        balance_impulse_ns_uncertainty,
+        balance_restitution_uncertainty,
+        balance_stiffness_n_m_uncertainty,
         energy_j_uncertainty,
         participation_uncertainty: first(modal.map(|m| &m.participation_uncertainty), modes),
         findings: String::new(),

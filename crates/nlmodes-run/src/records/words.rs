@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use nlmodes::experiment::extraction::{Measured, RecordExtraction};
+use nlmodes::experiment::extraction::{DecayPoint, FreeDecay, Measured, RecordExtraction};
 use nlmodes_scene::significant;
 
 /// What was extracted from a record, in a few lines.
@@ -21,6 +21,12 @@ pub fn in_words(found: &RecordExtraction) -> String {
         let harmonics = excitation.power.harmonics;
         row("mode indicator", format!("{} from {harmonics} harmonics", with_error(excitation.pbmif, "")));
     }
+    if let Some(lost) = found.modal.as_ref().and_then(|modal| modal.contact_dissipation).filter(|_| touched(found)) {
+        row("lost at the contact", with_error(lost, "W"));
+    }
+    if let Some(balance) = &found.balance {
+        row("force by balance", with_error(balance.peak_force, "N at the peak, without the force cell"));
+    }
     if let Some(stiffness) = found.contact.as_ref().and_then(|contact| contact.stiffness) {
         let measured = Measured { value: stiffness.stiffness, uncertainty: stiffness.stiffness_error };
         row("contact stiffness", with_error(measured, "N/m"));
@@ -38,6 +44,31 @@ pub fn in_words(found: &RecordExtraction) -> String {
     }
     lines.extend(found.findings.iter().map(|finding| format!("  finding {}: {finding}", finding.name())));
     lines.join("\n")
+}
+
+/// A free decay in a line: where it begins and ends.
+pub fn decay_in_words(record: &str, decay: &FreeDecay) -> String {
+    let (Some(first), Some(last)) = (decay.points.first(), decay.points.last()) else {
+        return format!("{record}: free from {} s", significant(decay.from, 5));
+    };
+    let point = |point: &DecayPoint| {
+        let frequency = with_error(point.omega.times(1.0 / TAU), "Hz");
+        format!("{frequency}, damping {}", with_error(point.damping, ""))
+    };
+    format!(
+        "{record}: free from {} s, {} points from {} at {} m √kg to {} at {} m √kg",
+        significant(decay.from, 5),
+        decay.points.len(),
+        point(first),
+        significant(first.amplitude.value, 4),
+        point(last),
+        significant(last.amplitude.value, 4)
+    )
+}
+
+/// Whether there is a contact by its force, or by the balance of the modes.
+fn touched(found: &RecordExtraction) -> bool {
+    found.balance.is_some() || found.contact.as_ref().is_some_and(|contact| contact.closed_fraction > 0.0)
 }
 
 /// The figure to the second digit of its error; alone where too few periods give none.

@@ -114,6 +114,7 @@ pub fn outcome(level: &TestLevel) -> RecordOutcome {
     RecordOutcome {
         record: level.outcome.record.name.clone(),
         segment: None,
+        decay: None,
         level: Some(level.outcome.level),
         findings: level.outcome.findings.iter().map(|finding| finding.name()).collect(),
         result: level.extraction.clone(),

@@ -5,7 +5,7 @@ mod segments;
 use std::f64::consts::TAU;
 use std::path::PathBuf;
 
-use nlmodes::experiment::extraction::{ExtractionSettings, Stop};
+use nlmodes::experiment::extraction::{ExtractionSettings, ModeErrors, Stop};
 use nlmodes::experiment::records::{Channel, Quantity, Recording, Role};
 use nlmodes::modal::LinearModes;
 
@@ -35,6 +35,7 @@ pub fn scene(
     one_source_of_modes(raw, diagnostics);
     let recording = &raw.recording;
     let segments = segments::check(raw, diagnostics);
+    segments::free_decay(raw, diagnostics);
     rate(&recording.files, recording.sample_rate_hz, recording.time_column.as_deref(), diagnostics);
     Some(RecordScene {
         title: raw.title.clone().unwrap_or_else(|| stem.to_owned()),
@@ -46,6 +47,7 @@ pub fn scene(
             sample_rate: recording.sample_rate_hz,
             time_column: recording.time_column.clone(),
         },
+        free_decay: raw.free_decay.as_ref().map(|decay| [decay.from_s, decay.to_s]),
         segments,
         structure,
         settings: settings?,
@@ -70,11 +72,13 @@ fn one_source_of_modes(raw: &RawRecordScene, diagnostics: &mut Diagnostics<'_>) 
 fn rate(files: &[String], rate: Option<f64>, time_column: Option<&str>, diagnostics: &mut Diagnostics<'_>) {
     let needs = |file: &String| {
         let file = file.to_lowercase();
-        file.ends_with(".npy") || (file.ends_with(".csv") && time_column.is_none())
+        let with_time = [".csv", ".mat", ".h5", ".hdf5"];
+        let holds = |ending: &str| file.ends_with(ending) || file.contains(&format!("{ending}#"));
+        file.ends_with(".npy") || (with_time.into_iter().any(holds) && time_column.is_none())
     };
     if let Some(file) = files.iter().find(|file| rate.is_none() && needs(file)) {
         let diagnostic = Diagnostic::error(format!("no sampling rate is known for \"{file}\""));
-        let help = "give `sample_rate_hz`, or for .csv files the name of their `time_column`";
+        let help = "give `sample_rate_hz`, or for .csv, .mat and .h5 files the name of their `time_column`";
         diagnostics.put("recording", diagnostic.help(help), "expected `sample_rate_hz` in this table");
     }
 }
@@ -242,7 +246,17 @@ fn settings(
         return None;
     }
     let stop = raw.stop.as_ref().map(stop);
-    Some(ExtractionSettings { linear_modes: modes, stop, ..self::extraction(extraction) })
+    let mode_errors = raw.linear_modes.as_ref().map_or_else(ModeErrors::default, mode_errors);
+    Some(ExtractionSettings { linear_modes: modes, mode_errors, stop, ..self::extraction(extraction) })
+}
+
+fn mode_errors(raw: &RawLinearModes) -> ModeErrors {
+    let default = ModeErrors::default();
+    ModeErrors {
+        frequency: raw.frequency_uncertainty.unwrap_or(default.frequency),
+        damping: raw.damping_uncertainty.unwrap_or(default.damping),
+        shape: raw.shape_uncertainty.unwrap_or(default.shape),
+    }
 }
 
 /// What the table says, so far without modes and stop.

@@ -30,6 +30,7 @@ pub fn rows(scene: &RecordScene) -> Vec<Row> {
         row("records", scene.files.join(", ")),
         row("sampling", rate),
         row("segments", segments(scene)),
+        row("free decay", String::from(if scene.free_decay.is_some() { "at the end of each record" } else { "none" })),
         row("channels", channels.join(", ")),
         row("modes", modes),
         row("harmonics", harmonics),

@@ -23,6 +23,8 @@ pub struct RawRecordScene {
     /// Parts of the recording in which a level is held, a row of the table each, under headings `[[segment]]`; without
     /// them a record is one level
     pub segment: Option<Vec<RawRecordSegment>>,
+    /// Each record ends with a free decay, after the drive is switched off: frequency and damping over amplitude
+    pub free_decay: Option<RawFreeDecay>,
     /// Mass-normalised linear modes at the response channels; without them there are no modal quantities
     pub linear_modes: Option<RawLinearModes>,
     /// The structure, instead of `linear_modes`: its linear modes at the sensors are computed, without damping
@@ -41,13 +43,14 @@ pub struct RawRecordScene {
 /// Files of records.
 #[derive(Debug, Deserialize, JsonSchema)]
 pub struct RawRecording {
-    /// Files, a record each: .csv, .uff or .unv (58, 58b), .wav, .npy; paths from where the scene is
+    /// Files, a record each: .csv, .uff or .unv (58, 58b), .wav, .npy, .tdms, .mat, .h5; behind # the structure, cell or
+    /// array that is meant in the last two (run.mat#Tests{2}); paths from where the scene is
     #[schemars(length(min = 1, max = MAX_LIST))]
     pub files: Vec<String>,
     /// Sampling rate; must agree with the time column or the header to 1e-6
     #[schemars(extend("unit" = "Hz", "exclusiveMinimum" = 0.0))]
     pub sample_rate_hz: Option<f64>,
-    /// Name of the time column of .csv files, in s
+    /// Name of the time column of .csv files, or of the array of times of .mat and .h5, in s
     #[schemars(length(min = 1))]
     pub time_column: Option<String>,
     /// "steady": the parts of each record in which force, motion, lag and frequency are steady are its segments
@@ -83,6 +86,17 @@ pub struct RawRecordSegment {
     pub flag: Option<String>,
     /// "steady": the parts in which force, motion, lag and frequency are steady, in place of `from_s` and `to_s`
     pub segments: Option<Found>,
+}
+
+/// The free decay at the end of a record.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+pub struct RawFreeDecay {
+    /// When the drive is off, on the time axis of the file; default: where the force has ended
+    #[schemars(extend("unit" = "s"))]
+    pub from_s: Option<f64>,
+    /// Its end; default: that of the record, or where noise ends it
+    #[schemars(extend("unit" = "s"))]
+    pub to_s: Option<f64>,
 }
 
 /// A channel of the records.
@@ -123,6 +137,15 @@ pub struct RawLinearModes {
     /// Damping ratios; default: zero
     #[schemars(inner(range(min = 0.0)), length(min = 1, max = MAX_LIST))]
     pub damping_ratios: Option<Vec<f64>>,
+    /// Standard error of the frequencies, relative; that of the contact force by balance has it within
+    #[schemars(extend("default" = 1e-3, "minimum" = 0.0, "maximum" = 1.0))]
+    pub frequency_uncertainty: Option<f64>,
+    /// Standard error of the damping ratios, relative
+    #[schemars(extend("default" = 0.1, "minimum" = 0.0, "maximum" = 1.0))]
+    pub damping_uncertainty: Option<f64>,
+    /// Standard error of the shapes at each position, relative
+    #[schemars(extend("default" = 0.01, "minimum" = 0.0, "maximum" = 1.0))]
+    pub shape_uncertainty: Option<f64>,
     /// Positions that the rows of `shapes` belong to
     #[schemars(length(min = 1, max = MAX_LIST), extend("unit" = "m"))]
     pub positions_m: Vec<f64>,

@@ -18,6 +18,8 @@ pub struct RecordScene {
     pub recording: Recording,
     /// Which parts of the records are levels; a record that none of them names is one level.
     pub segments: Vec<SegmentRule>,
+    /// The free decay at the end of each record, if there is one: its beginning and end, s, where they are known.
+    pub free_decay: Option<[Option<f64>; 2]>,
     /// The structure whose linear modes are to be used, where the scene gives no modes.
     pub structure: Option<Structure>,
     /// What is to be extracted.

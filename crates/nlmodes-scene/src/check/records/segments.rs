@@ -32,6 +32,21 @@ pub fn check(raw: &RawRecordScene, diagnostics: &mut Diagnostics<'_>) -> Vec<Seg
     rules
 }
 
+/// A free decay ends after it begins, and its record has no other levels.
+pub fn free_decay(raw: &RawRecordScene, diagnostics: &mut Diagnostics<'_>) {
+    let Some(decay) = &raw.free_decay else { return };
+    if raw.segment.is_some() || raw.recording.segments.is_some() {
+        let diagnostic = Diagnostic::error("a record has either segments or a free decay");
+        let help = "what is before the free decay is a level of its own; cut other levels into files of their own";
+        diagnostics.put("free_decay", diagnostic.help(help), "expected either this table or [[segment]]");
+    }
+    if let Some((from, to)) = decay.from_s.zip(decay.to_s).filter(|(from, to)| from >= to) {
+        let diagnostic = Diagnostic::error("`free_decay` ends before it begins");
+        let label = format!("found {to} s, expected more than `from_s`, {from} s");
+        diagnostics.put("free_decay.to_s", diagnostic, label);
+    }
+}
+
 fn rule(raw: &RawRecordSegment, i: usize, files: &[String], diagnostics: &mut Diagnostics<'_>) -> Option<SegmentRule> {
     let key = format!("segment.{i}");
     let told = told(raw, &key, diagnostics)?;
