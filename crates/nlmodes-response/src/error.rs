@@ -99,6 +99,9 @@ pub enum ResponseError {
         /// Those beside it.
         found: usize,
     },
+    /// The structure at another value of a parameter has other degrees of freedom.
+    #[error("at another value of the parameter the mesh is another one: a node is put beside one that stays")]
+    MeshOfGradient,
     /// The end was requested before the first point.
     #[error("it was asked to end before there was a point")]
     Stopped,

@@ -58,7 +58,7 @@ impl ResponseModel {
     /// Derivative of this structure and its load by a parameter, from states at several values of it.
     ///
     /// # Errors
-    /// [`ResponseError::OtherModes`] or [`ResponseError::ModesOfGradient`] where the retained modes are not those of
+    /// [`ResponseError::OtherModes`], [`ResponseError::ModesOfGradient`] or [`ResponseError::MeshOfGradient`] where the retained modes are not those of
     /// this structure, [`ResponseError::Problem`] beside laws of force.
     pub fn change(
         &self,
@@ -89,9 +89,11 @@ fn turn(base: &OpenModes, other: &OpenModes) -> Result<Mat<f64>, ResponseError> 
     if expected != found {
         return Err(ResponseError::ModesOfGradient { expected, found });
     }
+    if base.n_dofs() != other.n_dofs() {
+        return Err(ResponseError::MeshOfGradient);
+    }
     let identity = || Mat::from_fn(expected, expected, |i, j| f64::from(u8::from(i == j)));
-    let is_same = base.n_dofs() == other.n_dofs()
-        && (0..expected).all(|k| base.shapes().col(k).iter().eq(other.shapes().col(k).iter()));
+    let is_same = (0..expected).all(|k| base.shapes().col(k).iter().eq(other.shapes().col(k).iter()));
     if is_same {
         return Ok(identity());
     }
