@@ -25,14 +25,14 @@ PROBLEM = {
 
 
 def frequencies(points):
-    """The quantity f_2 of each point, all of them asked for at once."""
+    """The quantity f_10mJ of each point, all of them asked for at once."""
     lines = [json.dumps({"id": k, "set": dict(zip(PROBLEM["names"], map(float, point)))}) for k, point in enumerate(points)]
     served = subprocess.run([PROGRAM, "study", "serve", STUDY], input="\n".join(lines), capture_output=True, text=True, check=True)
     answers = sorted(map(json.loads, served.stdout.splitlines()), key=lambda answer: answer["id"])
     for answer in answers:
-        if answer["quantities"]["f_2"] is None:
+        if answer["quantities"]["f_10mJ"] is None:
             sys.exit(f"case {answer['id']}: {answer['reason']}")
-    return [answer["quantities"]["f_2"] for answer in answers]
+    return [answer["quantities"]["f_10mJ"] for answer in answers]
 
 
 points = latin.sample(PROBLEM, 128, seed=1)

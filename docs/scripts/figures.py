@@ -58,7 +58,7 @@ def made_by_runs(cli, folder):
 
         for file, image in files.items():
             yield image, lambda run=run, file=file: run() / f"{file}.svg"
-    yield "study_gap", lambda: study(cli, folder / "study") / "f_2_over_gap_m.svg"
+    yield "study_gap", lambda: study(cli, folder / "study") / "f_10mJ_over_gap_m.svg"
 
 
 def study(cli, results):

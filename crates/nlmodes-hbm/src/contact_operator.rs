@@ -2,6 +2,7 @@ use std::cell::OnceCell;
 use std::f64::consts::{PI, TAU};
 
 use nlmodes_contact::{LcpMatrix, LcpSolver, LcpWorkspace};
+use nlmodes_linalg::Mat;
 use nlmodes_modal::HarmonicBasis;
 use num_complex::Complex64;
 
@@ -183,6 +184,39 @@ impl ContactOperator {
                 for ((_, s), part) in set.force_row(i).zip(&parts) {
                     force.iter_mut().zip(part).for_each(|(force, part)| *force += s * part);
                 }
+            }
+        }
+        forces
+    }
+
+    /// How the forces (N, c × width) change with the compliance by `change` (c × c) where the gaps stay: while a set `S`
+    /// is closed `dλ = S dA λ`, eq. (13) differentiated; the instants add nothing, since λ is continuous.
+    pub(crate) fn forces_by_compliance(&self, change: &Mat<f64>, y: &[f64]) -> Vec<f64> {
+        let width = self.series.width();
+        let mut forces = vec![0.0; y.len()];
+        for spectrum in &self.spectra {
+            let (set, product) = (self.sets.get(spectrum.set), spectrum.product(self.series));
+            let part = |j: &usize| product.chunks(width).map(|row| inner(row, &y[j * width..][..width])).collect();
+            let parts: Vec<Vec<f64>> = set.active.iter().map(part).collect();
+            let pressed = |parts: &[Vec<f64>], i: usize| {
+                let mut sum = vec![0.0; width];
+                for ((_, s), part) in set.force_row(i).zip(parts) {
+                    sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += s * part);
+                }
+                sum
+            };
+            let own: Vec<Vec<f64>> = set.active.iter().map(|&i| pressed(&parts, i)).collect();
+            let yielded = |i: &usize| {
+                let mut sum = vec![0.0; width];
+                for (j, force) in set.active.iter().zip(&own) {
+                    sum.iter_mut().zip(force).for_each(|(sum, force)| *sum += change[(*i, *j)] * force);
+                }
+                sum
+            };
+            let yielded: Vec<Vec<f64>> = set.active.iter().map(yielded).collect();
+            for &i in &set.active {
+                let more = pressed(&yielded, i);
+                forces[i * width..(i + 1) * width].iter_mut().zip(more).for_each(|(force, more)| *force += more);
             }
         }
         forces

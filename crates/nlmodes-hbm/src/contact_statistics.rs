@@ -85,15 +85,41 @@ impl ContactOperator {
 
     /// Largest force of a contact, N.
     pub fn peak_force(&self, contact: usize) -> f64 {
-        let mut peak = 0.0_f64;
-        for interval in &self.intervals {
-            let set = self.sets.get(interval.set);
-            if set.closed[contact] {
-                let force = self.combination(set.force_row(contact));
-                peak = peak.max(largest(&force, interval.from, interval.to));
-            }
-        }
-        peak
+        self.hardest(contact).map_or(0.0, |found| found.value)
+    }
+
+    /// Where the force of a contact is largest over the period; none where it stays open.
+    pub(crate) fn hardest(&self, contact: usize) -> Option<Extreme> {
+        let force = |set: usize| {
+            let set = self.sets.get(set);
+            set.closed[contact].then(|| self.combination(set.force_row(contact)))
+        };
+        self.extreme(force).filter(|found| found.value > 0.0)
+    }
+
+    /// Where the gap of a contact that stays open is smallest over the period; its value is the opposite of the gap.
+    pub(crate) fn closest(&self, contact: usize) -> Option<Extreme> {
+        self.extreme(|set| Some(self.combination(self.sets.get(set).guard_row(contact).map(|(j, g)| (j, -g)))))
+    }
+
+    /// Where a function of the phase is largest that has another form while other contacts are closed.
+    fn extreme(&self, of: impl Fn(usize) -> Option<Trigonometric>) -> Option<Extreme> {
+        let all = self.intervals.iter().enumerate();
+        let each = all.filter_map(|(k, interval)| Some((k, largest(&of(interval.set)?, interval.from, interval.to))));
+        let (k, (phase, value)) = each.max_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
+        let (interval, n) = (&self.intervals[k], self.intervals.len());
+        let is_even = self.series.symmetry == Symmetry::Even;
+        // Where other contacts close or open there, the form behind that instant falls.
+        let behind = if phase >= interval.to { (k + 1 < n || !is_even).then_some((k + 1) % n) } else { None };
+        let before = if phase <= interval.from { (k > 0 || !is_even).then_some((k + n - 1) % n) } else { None };
+        let other = behind.or(before).filter(|other| *other != k).map(|other| &self.intervals[other]);
+        let slope = |set: usize, tau: f64| Some(of(set)?.evaluate(tau)[1]);
+        let beside = other.and_then(|other| {
+            let at = if behind.is_some() { other.from } else { other.to };
+            let slopes = [slope(interval.set, phase)?, slope(other.set, at)?];
+            (slopes[0] * slopes[1] < 0.0).then_some((other.set, slopes))
+        });
+        Some(Extreme { phase, set: interval.set, value, beside })
     }
 
     /// Smallest gap of a contact over the period, m; zero or less where it closes.
@@ -104,7 +130,7 @@ impl ContactOperator {
                 return 0.0;
             }
             let opposite = set.guard_row(contact).map(|(j, g)| (j, -g));
-            -largest(&self.combination(opposite), interval.from, interval.to)
+            -largest(&self.combination(opposite), interval.from, interval.to).1
         });
         gaps.fold(f64::INFINITY, f64::min)
     }
@@ -119,19 +145,48 @@ impl ContactOperator {
     }
 }
 
-/// Largest value of `f` in `[from, to]`: samples, then the zero of the slope beside the best one.
-pub(crate) fn largest(f: &Trigonometric, from: f64, to: f64) -> f64 {
+/// An instant of a period at which something is largest or smallest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Extreme {
+    /// Phase, rad.
+    pub phase: f64,
+    /// The closed contacts there, as an index into the sets of the operator.
+    pub set: usize,
+    /// What is largest.
+    pub value: f64,
+    /// At a corner, the closed contacts on its other side, and the slopes on this and on that.
+    pub beside: Option<(usize, [f64; 2])>,
+}
+
+impl Extreme {
+    /// The derivative of the largest value by a parameter, from that of the function at the instant with each of the
+    /// sets: at a corner the instant moves, so that both forms stay equal there.
+    pub fn change(&self, of: impl Fn(usize) -> f64) -> f64 {
+        let own = of(self.set);
+        match self.beside {
+            Some((set, [slope, other])) => (slope * of(set) - other * own) / (slope - other),
+            None => own,
+        }
+    }
+}
+
+/// Largest value of `f` in `[from, to]`, behind the phase at which it has it: samples, then the zero of the slope
+/// beside the best one.
+pub(crate) fn largest(f: &Trigonometric, from: f64, to: f64) -> (f64, f64) {
     // As many as the shortest wave asks for on this stretch.
     let cells = 8 + (8.0 * f.z.len() as f64 * (to - from) / TAU).ceil() as usize;
     let width = (to - from) / cells as f64;
     let at = |j: usize| from + width * j as f64;
     let best = (0..=cells).map(|j| (j, f.evaluate(at(j))[0])).max_by(|a, b| a.1.total_cmp(&b.1));
-    let Some((j, value)) = best else { return f64::NEG_INFINITY };
+    let Some((j, value)) = best else { return (from, f64::NEG_INFINITY) };
     let [low, high] = [j.saturating_sub(1), (j + 1).min(cells)].map(|j| f.at(at(j)));
     if low.f[1] > 0.0 && high.f[1] < 0.0 {
-        return value.max(f.turn(f64::EPSILON * f.bounds()[0], low, high, |_| false).f[0]);
+        let turn = f.turn(f64::EPSILON * f.bounds()[0], low, high, |_| false);
+        if turn.f[0] > value {
+            return (turn.tau, turn.f[0]);
+        }
     }
-    value
+    (at(j), value)
 }
 
 #[cfg(test)]

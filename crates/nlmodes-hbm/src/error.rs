@@ -30,6 +30,9 @@ pub enum HbmError {
     /// Laws of force stand beside damping that couples modes.
     #[error("laws of force beside damping that couples modes: give the dampers as laws too")]
     LawsBesideCoupledModes,
+    /// A gradient is asked for beside laws of force.
+    #[error("gradients are not computed beside springs and dampers that follow a law of force")]
+    LawsInGradient,
     /// The mode number is zero or beyond the number of modes.
     #[error("mode {mode} does not exist: the structure has {available} \
         {}", if *.available == 1 { "mode" } else { "modes" })]

@@ -106,9 +106,9 @@ pub use periodic::{
 };
 pub use periodic::{
     Closing, ClosingEquation, Column, ContactMotion, Coordinates, DampedStop, EnergyGiven, Floquet, Functional, Load,
-    LoadTerm, ModalDamping, ModalGrazing, ModalStructure, ModeAtRest, Motion, OperatingPoint, PeriodicMotion,
-    PeriodicSettings, PeriodicSystem, PhaseCondition, PhaseLag, Refined, ResponseRow, Source, modal_grazing,
-    modal_lift_off,
+    LoadTerm, ModalDamping, ModalGrazing, ModalStructure, ModeAtRest, Motion, MotionChange, OperatingPoint,
+    PeriodicMotion, PeriodicSettings, PeriodicSystem, PhaseCondition, PhaseLag, Refined, ResponseRow, Source,
+    StructureChange, StructureState, Watched, modal_grazing, modal_lift_off,
 };
 pub use projection::Projection;
 pub use recording::MAX_RECORDED;

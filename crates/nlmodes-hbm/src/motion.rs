@@ -177,7 +177,7 @@ impl MixedShooting<'_> {
         let toward = self.sweep.intervals.iter().map(|interval| {
             let set = self.sweep.sets.get(interval.set);
             let opposite = set.guard_row(0).map(|(j, g)| (j, -g));
-            largest(&self.sweep.combination(opposite), interval.from, interval.to)
+            largest(&self.sweep.combination(opposite), interval.from, interval.to).1
         });
         contact.gap + toward.fold(f64::NEG_INFINITY, f64::max)
     }

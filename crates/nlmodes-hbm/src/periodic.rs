@@ -3,6 +3,7 @@
 
 mod analyses;
 mod block;
+mod change;
 mod closing_equations;
 mod contact_response;
 mod damped_stop;
@@ -20,11 +21,13 @@ mod operating_point;
 mod pieces;
 mod refine;
 mod rows;
+mod sensitivity;
 mod start;
 mod structure;
 mod system;
 
 pub use analyses::Coordinates;
+pub use change::{StructureChange, StructureState};
 pub use closing_equations::{ClosingEquation, EnergyGiven, Functional, Motion, PhaseCondition, PhaseLag};
 pub use damped_stop::DampedStop;
 pub use damping::ModalDamping;
@@ -37,6 +40,7 @@ pub use load::{Load, LoadTerm};
 pub use motion::{ContactMotion, PeriodicMotion, largest_value};
 pub use operating_point::{Closing, Column, OperatingPoint, Source};
 pub use refine::Refined;
+pub use sensitivity::{MotionChange, Watched};
 pub use start::{ModalGrazing, ModeAtRest, modal_grazing, modal_lift_off};
 pub use structure::{ModalStructure, ResponseRow};
 pub use system::{PeriodicSettings, PeriodicSystem};

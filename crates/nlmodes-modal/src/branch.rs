@@ -1,6 +1,6 @@
 use num_complex::Complex64;
 
-use crate::{BranchEnd, ContactPeriod, Event, HarmonicCoefficients, InternalResonance, Stability};
+use crate::{BranchEnd, ContactPeriod, Event, Gradient, HarmonicCoefficients, InternalResonance, Stability};
 
 /// A coordinate of a motion: a degree of freedom or a sensor.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,6 +54,8 @@ pub struct ModalPoint {
     pub stress: Option<PeakStress>,
     /// Load, drive point and powers; none of a conservative motion.
     pub driven: Option<Driven>,
+    /// Derivatives by the parameters that were asked for.
+    pub gradients: Vec<Gradient>,
 }
 
 impl ModalPoint {

@@ -5,6 +5,7 @@ use std::fmt::Write;
 
 mod differences;
 mod files;
+mod gradients;
 mod points;
 mod records;
 mod row;
@@ -12,6 +13,7 @@ mod transient;
 
 pub use differences::{DifferenceRow, ResponseDifferenceRow, StopDifferenceRow};
 pub use files::FILES;
+pub use gradients::{GRADIENT_COLUMNS, GradientCells, GradientColumns};
 pub use points::{AppropriationRow, BranchRow, ContactRow, ParticipationRow, ResponseOf, ResponseRow};
 pub use records::{DecayRow, ModalPointRow};
 pub use row::{Cell, Cells, Known, Numbered, Row, Sometimes};
@@ -20,7 +22,7 @@ pub use transient::TouchRow;
 /// A column of a table, an array of an archive, or a variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Column {
-    /// Its name; `…` is a number.
+    /// Its name; `…` is a number, `<key>` the key of a parameter.
     pub name: &'static str,
     /// Its unit, empty if dimensionless; for arrays after their shape.
     pub unit: &'static str,
@@ -41,7 +43,10 @@ impl Column {
                 let middle = name.strip_prefix(begin).and_then(|rest| rest.strip_suffix(end));
                 middle.is_some_and(|number| !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit()))
             }
-            None => name == self.name,
+            None => match self.name.strip_suffix("<key>") {
+                Some(begin) => name.strip_prefix(begin).is_some_and(|key| !key.is_empty()),
+                None => name == self.name,
+            },
         }
     }
 }
@@ -124,6 +129,8 @@ mod tests {
         assert!(column.is_named("participation_1") && column.is_named("participation_12"));
         assert!(!column.is_named("participation_") && !column.is_named("participation_x"));
         assert!(Column::new("point", "", "").is_named("point"));
+        let column = Column::new("d_peak_d_<key>", "", "");
+        assert!(column.is_named("d_peak_d_contact.0.gap_m") && !column.is_named("d_peak_d_"));
     }
 
     #[test]

@@ -13,6 +13,7 @@ mod response;
 mod spread;
 mod stiffness;
 mod stroboscope;
+mod tornado;
 
 pub use branch::{Abscissa, BranchFigure};
 pub use contacts::ContactFigure;
@@ -27,6 +28,7 @@ pub use response::{LineKind, Quantity, ResponseFigure, ResponseLine};
 pub use spread::SpreadFigure;
 pub use stiffness::StiffnessFigure;
 pub(crate) use stroboscope::stroboscope;
+pub use tornado::TornadoFigure;
 
 use crate::ReportError;
 use crate::chart::Chart;
@@ -58,6 +60,7 @@ impl PartialEq for Figure {
 enum Drawing {
     Chart(Chart),
     Surface(Surface),
+    Tornado(TornadoFigure),
 }
 
 impl Drawing {
@@ -65,6 +68,7 @@ impl Drawing {
         match self {
             Self::Chart(chart) => chart.draw(style),
             Self::Surface(surface) => surface.draw(style),
+            Self::Tornado(bars) => bars.draw(style),
         }
     }
 }
@@ -72,6 +76,12 @@ impl Drawing {
 impl From<Chart> for Figure {
     fn from(chart: Chart) -> Self {
         Self::new(Drawing::Chart(chart))
+    }
+}
+
+impl From<TornadoFigure> for Figure {
+    fn from(bars: TornadoFigure) -> Self {
+        Self::new(Drawing::Tornado(bars))
     }
 }
 

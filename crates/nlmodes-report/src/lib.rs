@@ -23,6 +23,7 @@
 //! | [`HtmlReport`] | `report.html` | everything on one self-contained page: figures with zoom and hover, animated modes |
 //! | [`Page`] | HTML | the frame of such a page, for other contents |
 //! | `print`, with the feature of that name | PDF, PNG | figures in SVG for journals and slides |
+//! | [`TornadoFigure`] | SVG | what parameters do to a quantity, a bar each |
 //! | [`SpreadFigure`] | SVG | values of many cases over a variable, with median and band |
 //! | [`ConvergenceFigure`] | SVG | errors over a discretisation parameter, on logarithmic axes |
 //!
@@ -95,6 +96,7 @@ pub use error::ReportError;
 pub use figure::{
     Abscissa, BranchFigure, ContactFigure, ConvergenceFigure, Figure, HistoryFigure, LineKind, MeasuredFigure,
     MotionFigure, ParticipationFigure, Quantity, ResponseFigure, ResponseLine, SpreadFigure, StiffnessFigure,
+    TornadoFigure,
 };
 pub use html::{DataTable, HtmlReport, Page, Wireframe, explore};
 pub use output::write_file;

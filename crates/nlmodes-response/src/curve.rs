@@ -1,7 +1,7 @@
 use std::f64::consts::TAU;
 
 use nlmodes_continuation::StopReason;
-use nlmodes_hbm::{PeriodicMotion, PeriodicSystem};
+use nlmodes_hbm::{MotionChange, PeriodicMotion, PeriodicSystem};
 use nlmodes_modal::{BranchEnd, EndReason, Event, ModalPoint, Stability};
 use num_complex::Complex64;
 
@@ -25,6 +25,8 @@ pub struct ResponsePoint {
     pub residual: f64,
     /// What happens here.
     pub events: Vec<Event>,
+    /// Its derivatives by the parameters that were asked for, in their order.
+    pub gradients: Vec<MotionChange>,
     /// Where it lies in the unknowns of its problem, from which another curve can start.
     pub(crate) solved: Solved,
 }

@@ -83,6 +83,25 @@ pub enum ResponseError {
         /// Why it went no further.
         why: String,
     },
+    /// With a parameter the retained modes become others.
+    #[error(
+        "within the step of the gradient the retained modes become others (they have {share:.2} in common); expected          another `reduction.modes`, one that ends between two frequencies that stay apart"
+    )]
+    OtherModes {
+        /// Least cosine between the spaces of both.
+        share: f64,
+    },
+    /// The structure at another value of a parameter has another number of modes.
+    #[error("at another value of the parameter the structure has {found} modes in place of {expected}")]
+    ModesOfGradient {
+        /// Those of the structure.
+        expected: usize,
+        /// Those beside it.
+        found: usize,
+    },
+    /// The structure at another value of a parameter has other degrees of freedom.
+    #[error("at another value of the parameter the mesh is another one: a node is put beside one that stays")]
+    MeshOfGradient,
     /// The end was requested before the first point.
     #[error("it was asked to end before there was a point")]
     Stopped,

@@ -141,6 +141,10 @@ impl Curve<'_> {
         // A free phase is held at that of the point itself, not at that of the last one that was found.
         self.system.hold_phase(&at.x);
         let found = refined(&mut self.system, at);
+        let gradients = match &self.settings.gradients {
+            gradients if gradients.changes.is_empty() || self.settings.watch.asks_to_end() => Vec::new(),
+            gradients => self.system.sensitivities(&found, gradients.watched.as_ref(), &gradients.changes)?,
+        };
         // Of a long curve the multipliers take longer than who asks for an end waits.
         let stability = match self.settings.stability && !self.settings.watch.asks_to_end() {
             true => self.stability(&found.x, found.p)?,
@@ -154,10 +158,11 @@ impl Curve<'_> {
             _ => None,
         });
         let events = named.collect();
-        Ok(ResponsePoint { stability, events, ..self.motion(None, found)? })
+        Ok(ResponsePoint { stability, events, gradients, ..self.motion(None, found)? })
     }
 
-    /// The point of a solution, of this problem or of `another` with more harmonics, without stability and events.
+    /// The point of a solution, of this problem or of `another` with more harmonics; without stability, events and
+    /// gradients.
     pub fn motion(
         &mut self,
         another: Option<&mut PeriodicSystem>,
@@ -179,6 +184,7 @@ impl Curve<'_> {
             stability: None,
             residual,
             events: Vec::new(),
+            gradients: Vec::new(),
             solved: Solved { x, p, coefficients: (system.n_coefficients(), system.unit()) },
             motion,
         })

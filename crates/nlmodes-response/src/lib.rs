@@ -56,6 +56,7 @@ mod linear;
 mod losses;
 mod model;
 mod recovery;
+mod sensitivity;
 mod settings;
 mod step_log;
 
@@ -73,5 +74,6 @@ pub use finer::{FinerPoint, FinerSettings};
 pub use history::{ContactPattern, ContactState};
 pub use model::{ResponseModel, Weights};
 pub use recovery::ForcePower;
+pub use sensitivity::{Gradients, ParameterState, mode_gradients};
 pub use settings::ResponseSettings;
 pub use step_log::StepLog;

@@ -396,6 +396,14 @@ impl ResponseModel {
         Ok(Load::new(&self.structure, self.terms.iter().zip(&self.residuals).map(in_base).collect())?)
     }
 
+    /// The same, without terms where nothing drives the structure.
+    pub(crate) fn load_if_any(&self, settings: &ResponseSettings) -> Result<Load, ResponseError> {
+        match self.terms.is_empty() {
+            true => Ok(Load::new(&self.structure, Vec::new())?),
+            false => self.load(settings),
+        }
+    }
+
     /// The drive point in its harmonic.
     pub(crate) fn drive(&self, settings: &ResponseSettings) -> Result<Option<PhaseLag>, ResponseError> {
         let Some(weights) = &self.drive else { return Ok(None) };

@@ -1,7 +1,9 @@
+use std::sync::Arc;
+
 use nlmodes_continuation::{Bound, Budget, Watch};
 use nlmodes_hbm::{Coordinates, PeriodicSettings, Switching};
 
-use crate::{FinerSettings, ResponseError, StepLog};
+use crate::{FinerSettings, Gradients, ResponseError, StepLog};
 
 /// What distinguishes one curve from another on the same structure.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,6 +43,8 @@ pub struct ResponseSettings {
     pub watch: Watch,
     /// Where the steps of curves are kept. Default nowhere.
     pub log: StepLog,
+    /// The parameters by which points are differentiated. Default none.
+    pub gradients: Arc<Gradients>,
 }
 
 impl ResponseSettings {
@@ -64,6 +68,7 @@ impl ResponseSettings {
             levels: Vec::new(),
             watch: Watch::default(),
             log: StepLog::default(),
+            gradients: Arc::default(),
         }
     }
 

@@ -35,7 +35,7 @@ use crate::physical::recover;
 use crate::settings::{Checked, Models, branch_settings, models, models_sharing, starts};
 use crate::style::style_of;
 use crate::updating::updated;
-use crate::{Event, Failure, Observer, Over, RunError, doubts, links, mass, no_contact, refusal, sliding};
+use crate::{Event, Failure, Observer, Over, RunError, doubts, gradients, links, mass, no_contact, refusal, sliding};
 use curve::BranchCurve;
 use sink::{Sink, branch_directory};
 
@@ -135,6 +135,11 @@ fn one_branch(
         tree.branches.iter().map(|branch| Certificate::of(branch, sources, &mut look)).collect();
     let found = whole(scene, &model, &massless, &modes, &tree);
     let slid = slid(scene, (&model, open.as_ref()), structures, &mut tree.branches);
+    let differentiated =
+        gradients::of_branches(scene, open.as_ref(), (structures, observer.watch()), &mut tree.branches);
+    if let Some(text) = differentiated.as_ref().ok().and_then(|without| without_gradients(*without)) {
+        observer.event(Event::Warning(&text));
+    }
     recover(scene, (open.as_ref(), state.as_ref()), &mut tree.branches);
     let stress = Stress::of(scene, open.as_ref(), &[]);
     let stress_left_out = Stress::left_out(scene, open.as_ref(), 0);
@@ -143,6 +148,10 @@ fn one_branch(
         Ok(Some(stress)) => stressed(scene, (stress, open.as_ref()), state.as_ref(), &mut tree.branches),
         _ => Ok(()),
     };
+    let differentiated = differentiated.and_then(|_| match scene.sensitivities.is_empty() {
+        true => Ok(()),
+        false => rewritten(scene, &tree.branches),
+    });
     let solids = stress.as_ref().ok().and_then(|stress| stress.as_ref()?.solids());
     let laid = tree.branches.first().map(|first| Overlaid::new(laid, &BranchCurve::new(first, &[], state.as_ref())));
     let (written, linear, participation) = match found {
@@ -172,7 +181,7 @@ fn one_branch(
                 Some(laid) => write(scene, &about, (&tree, &curves, &certificates, laid), began),
                 None => Ok(()),
             };
-            let written = written.and(period.map(drop)).and(slid).and(stressed);
+            let written = written.and(period.map(drop)).and(slid).and(stressed).and(differentiated);
             let written = written.and(stress.as_ref().map(drop).map_err(|error| error.to_string().into()));
             (written, linear, participation)
         }
@@ -224,6 +233,24 @@ fn stressed(
         write_branch(branch_directory(&scene.output_directory, number).join("branch.csv"), &computed.branch)?;
     }
     Ok(())
+}
+
+/// Writes the tables of all branches anew, with what was found of their points at the end.
+fn rewritten(scene: &Scene, branches: &[ComputedBranch]) -> Result<(), Failure> {
+    for (number, computed) in branches.iter().enumerate() {
+        write_branch(branch_directory(&scene.output_directory, number).join("branch.csv"), &computed.branch)?;
+    }
+    Ok(())
+}
+
+/// What is to be said where points have no derivatives.
+fn without_gradients(points: usize) -> Option<String> {
+    let are = if points == 1 {
+        "1 point has no gradient: it is".to_owned()
+    } else {
+        format!("{points} points have no gradients: they are")
+    };
+    (points > 0).then(|| format!("{are} not found again at the same energy, as next to a fold of the energy"))
 }
 
 /// Whether a run of the scene would begin, with each of its numbers of harmonics.

@@ -2,6 +2,7 @@
 //! modes or responses.
 
 pub(crate) mod figures;
+pub(crate) mod gradients;
 pub(crate) mod histories;
 pub(crate) mod page;
 pub(crate) mod picture;

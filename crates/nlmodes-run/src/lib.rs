@@ -73,6 +73,7 @@ mod error;
 pub mod explore;
 mod files;
 mod forces;
+mod gradients;
 mod journal;
 pub mod lcp;
 pub mod linear;

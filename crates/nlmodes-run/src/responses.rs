@@ -6,6 +6,7 @@ mod curves;
 mod damping;
 mod exact;
 mod figures;
+mod gradients;
 mod laws;
 mod levels;
 mod model;

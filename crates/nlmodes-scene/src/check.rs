@@ -14,6 +14,7 @@ mod reduced;
 mod reduction;
 mod response;
 mod section;
+pub(crate) mod sensitivity;
 mod shooting;
 mod springs;
 mod static_loads;
@@ -170,7 +171,8 @@ fn rest(
     let of_responses = response::check(raw, &subject.places, method.as_ref(), diagnostics);
     let transient = transient::check(raw, base, &subject.places, diagnostics);
     let output = raw.output.clone().unwrap_or_default();
-    Some(Scene {
+    let sensitivities = sensitivity::check(raw, diagnostics);
+    let scene = Scene {
         title: raw.title.clone().unwrap_or_else(|| stem.to_owned()),
         structure: structure?,
         contacts,
@@ -183,6 +185,7 @@ fn rest(
         base_motion: of_responses.base_motion,
         responses: of_responses.responses,
         transient,
+        sensitivities,
         method: method?,
         continuation: raw.continuation.clone(),
         output_directory: output_directory(output.directory.as_ref(), stem),
@@ -192,7 +195,9 @@ fn rest(
         stability_budget_s: output.stability_budget_s,
         require: output.require,
         warnings: Vec::new(),
-    })
+    };
+    sensitivity::refuse(&scene, diagnostics);
+    Some(scene)
 }
 
 /// Where results go; `stem` is the name of the file.

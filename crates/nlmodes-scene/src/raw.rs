@@ -10,6 +10,7 @@ mod parts;
 mod records;
 mod reduced;
 mod response;
+mod sensitivity;
 mod springs;
 mod static_loads;
 mod structure;
@@ -26,6 +27,7 @@ pub use reduced::{RawReduced, RawReducedScene, RawRowContact};
 pub use response::{
     RawBaseMotion, RawDamping, RawDashpot, RawDirection, RawForce, RawModeDamping, RawPlace, RawResponse,
 };
+pub use sensitivity::RawSensitivity;
 pub use springs::{RawLaw, RawLawSpring};
 pub use static_loads::{RawGravity, RawStaticDisplacement, RawStaticForce, RawThermal};
 pub use structure::{RawMaterial, RawSection, RawStructure};
@@ -70,6 +72,9 @@ pub struct RawAnalysis {
     pub response: Option<Vec<RawResponse>>,
     /// A motion in time under any loads, in place of a branch or responses
     pub transient: Option<RawTransient>,
+    /// Parameters by which the points of every curve are differentiated, each under its own heading `[[sensitivity]]`
+    #[schemars(length(max = 1000))]
+    pub sensitivity: Option<Vec<RawSensitivity>>,
     /// How the periodic motion is computed; several methods stand under headings `[[method]]`
     pub method: RawMethod,
     /// How far the branch is followed

@@ -1,5 +1,7 @@
 //! From a file or a text to a checked scene.
 
+mod sensitivity;
+
 use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
@@ -121,6 +123,8 @@ fn refuse_file(name: &str, error: &FileError) -> SceneError {
 /// A text with its overrides and one of its methods: what there is before its kind is known.
 struct Read<'t, 'a> {
     text: &'t Text<'a>,
+    overrides: &'a [String],
+    method: usize,
     document: Document,
     root: Option<Spanned<DeTable<'a>>>,
     diagnostics: Vec<Diagnostic>,
@@ -130,7 +134,7 @@ impl<'t, 'a> Read<'t, 'a> {
     fn new(text: &'t Text<'a>, overrides: &'a [String], method: usize) -> Self {
         let mut diagnostics = Vec::new();
         let (document, root) = Document::new(text, overrides, method, &mut diagnostics);
-        Self { text, document, root, diagnostics }
+        Self { text, overrides, method, document, root, diagnostics }
     }
 
     fn is(&self, of_kind: fn(&DeTable<'_>) -> bool) -> bool {
@@ -147,7 +151,15 @@ fn each_method<'a>(first: Read<'_, 'a>, overrides: &'a [String]) -> Result<Vec<S
 
 /// The scene with one method.
 fn one_method(read: Read<'_, '_>) -> Result<SceneFile, SceneError> {
-    let Read { text, document, root, diagnostics } = read;
+    let (text, overrides, method) = (read.text, read.overrides, read.method);
+    let mut file = one_state(read)?;
+    sensitivity::add_states(text, overrides, method, &mut file)?;
+    Ok(file)
+}
+
+/// The scene with one method, without what it is at other values of its parameters.
+fn one_state(read: Read<'_, '_>) -> Result<SceneFile, SceneError> {
+    let Read { text, document, root, diagnostics, .. } = read;
     let mut diagnostics = Diagnostics::new(&document, diagnostics);
     let other =
         root.as_ref().and_then(|root| planned::of_test(root.get_ref()).or_else(|| planned::of_records(root.get_ref())));
@@ -176,7 +188,7 @@ fn one_method(read: Read<'_, '_>) -> Result<SceneFile, SceneError> {
 
 /// The scene of measured records.
 fn records(read: Read<'_, '_>) -> Result<SceneFile<RecordScene>, SceneError> {
-    let Read { text, document, root, diagnostics } = read;
+    let Read { text, document, root, diagnostics, .. } = read;
     let mut diagnostics = Diagnostics::new(&document, diagnostics);
     let raw: Option<raw::RawRecordScene> = root.and_then(|root| {
         let other = planned::of_test(root.get_ref()).or_else(|| planned::not_of_records(root.get_ref()));
@@ -190,7 +202,7 @@ fn records(read: Read<'_, '_>) -> Result<SceneFile<RecordScene>, SceneError> {
 
 /// The scene of a virtual test.
 fn test(read: Read<'_, '_>) -> Result<SceneFile<TestScene>, SceneError> {
-    let Read { text, document, root, diagnostics } = read;
+    let Read { text, document, root, diagnostics, .. } = read;
     let mut diagnostics = Diagnostics::new(&document, diagnostics);
     let raw: Option<raw::RawTestScene> = root.and_then(|root| {
         let other = planned::of_test_and_branch(root.get_ref());

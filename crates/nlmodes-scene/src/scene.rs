@@ -8,6 +8,7 @@ mod records;
 mod reduced;
 mod reduction;
 mod response;
+mod sensitivity;
 mod springs;
 mod static_loads;
 mod supports;
@@ -29,6 +30,7 @@ pub use records::{RecordScene, SegmentRule, SegmentTold};
 pub use reduced::{Flexibility, Numbers, ReducedModel, RowContact};
 pub use reduction::{Matrices, Reduction, SceneStructure};
 pub use response::{BaseDirection, BaseMotion, Damping, Dashpot, Force, ModeDamping, Place, Response};
+pub use sensitivity::{SceneState, Sensitivity};
 pub use springs::{LawSpring, SpringLaw};
 pub use static_loads::{ForcePlace, Gravity, StaticForce, StaticLoads, Thermal};
 pub use supports::{free_dofs, holds};
@@ -81,6 +83,9 @@ pub struct Scene {
     /// A motion in time.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub transient: Option<Transient>,
+    /// Parameters by which the points of every curve are differentiated.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sensitivities: Vec<Sensitivity>,
     /// How the periodic motion is computed.
     pub method: Method,
     /// How far the branch is followed.

@@ -108,7 +108,7 @@ fn names_differ(variables: &[Variable], quantities: &[crate::study::Quantity], d
     let mut known: Vec<&str> = crate::collect::FIXED.to_vec();
     let named = variables.iter().enumerate().map(|(k, variable)| (format!("vary.{k}"), variable.name.as_str()));
     let wanted = quantities.iter().enumerate().map(|(k, quantity)| (format!("quantity.{k}"), quantity.name.as_str()));
-    let errors: Vec<String> = quantities.iter().map(|quantity| crate::collect::error_column(&quantity.name)).collect();
+    let errors: Vec<String> = quantities.iter().map(|quantity| crate::table::error_column(&quantity.name)).collect();
     known.extend(errors.iter().map(String::as_str));
     for (path, name) in named.chain(wanted) {
         if known.contains(&name) {

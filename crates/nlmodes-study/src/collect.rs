@@ -14,7 +14,7 @@ use crate::study::Study;
 use crate::table::Table;
 pub use band::{Band, Drawn};
 pub use row::{Row, State};
-pub use table::{FIXED, error_column};
+pub use table::FIXED;
 
 /// Maximum number of branches kept for the page.
 const MOST_DRAWN: usize = 1500;
@@ -61,7 +61,7 @@ impl Collected {
         let mut counts = Counts { cases: rows.len(), ..Counts::default() };
         rows.iter().for_each(|row| counts.take(row.state));
         let statistics = study.quantities.iter().map(|q| Statistics::new(study, &table, &cases, &q.name)).collect();
-        let drawn: Vec<Drawn> = rows.into_iter().filter_map(|row| row.drawn).collect();
+        let drawn: Vec<Drawn> = rows.into_iter().flat_map(|row| row.drawn).collect();
         let band = Band::new(&drawn);
         Self { table, counts, statistics, drawn, band }
     }

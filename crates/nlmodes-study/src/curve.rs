@@ -5,4 +5,4 @@ mod pick;
 mod table;
 
 pub use pick::{Picked, pick};
-pub use table::{Curve, CurveError, ENERGY_RATIO, has_numbers};
+pub use table::{Curve, CurveError, ENERGY_RATIO, Level, has_numbers};

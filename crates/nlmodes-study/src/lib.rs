@@ -92,7 +92,7 @@ mod told;
 mod write;
 
 pub use collect::{Band, Collected, Counts, Drawn, State, status};
-pub use curve::{Curve, CurveError, ENERGY_RATIO, Picked, pick};
+pub use curve::{Curve, CurveError, ENERGY_RATIO, Level, Picked, pick};
 pub use design::Points;
 pub use distribution::Distribution;
 pub use error::StudyError;
@@ -104,5 +104,5 @@ pub use statistics::{
     Correlation, Sensitivity, SobolIndex, Spread, Statistics, quantile, rank_correlation, sobol_indices,
 };
 pub use store::{CaseRecord, Status, Store};
-pub use study::{Design, DesignKind, Keep, Place, Quantity, Study, Values, Variable};
+pub use study::{Design, DesignKind, Keep, Of, Place, Quantity, Selected, Study, Sweep, Values, Variable};
 pub use table::{Cells, Column, Table};

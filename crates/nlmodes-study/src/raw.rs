@@ -107,18 +107,24 @@ pub struct RawLognormal {
 /// The quantities of each case.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(extend("required" = ["name", "of"]))]
 pub struct RawQuantity {
     /// Name of its column
     #[schemars(required, length(min = 1))]
     pub name: Option<String>,
     /// A column of `branch.csv`, such as "frequency_hz", or `energy_ratio`, the averaged kinetic energy relative to
-    /// that at grazing
+    /// that at grazing; of responses also "peak", "jump_up_hz", "jump_down_hz", "max_force", "impulse"
     #[schemars(required, length(min = 1))]
     pub of: Option<String>,
-    /// Point of the branch: { energy_ratio = 2.0 } or { column = value }, "first", "last", "max", "min", or the name of
-    /// an event
-    #[schemars(required, schema_with = "any")]
+    /// Point of the branch: { energy_j = 0.1 } or { column = value }, "first", "last", "max", "min", or the name of an
+    /// event; not for "peak" and jumps, and "max" where "max_force" and "impulse" say nothing else
+    #[schemars(schema_with = "any")]
     pub at: Option<Value>,
+    /// Level of the responses that it is about, in the unit of the load; default: all
+    pub level: Option<f64>,
+    /// Number of the response in the scene that it is about, from 1; default: all
+    #[schemars(range(min = 1, max = 1000))]
+    pub response: Option<u32>,
 }
 
 /// Directory of the results, and the files kept of each case.

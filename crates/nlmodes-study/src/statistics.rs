@@ -1,9 +1,11 @@
 //! Scatter and sensitivity of a quantity.
 
+mod independent;
 mod ranks;
 mod sobol;
 mod spread;
 
+use independent::independence;
 pub use ranks::{Correlation, rank_correlation};
 pub use sobol::{SobolIndex, sobol_indices};
 pub use spread::{Spread, quantile};
@@ -12,7 +14,7 @@ use serde::Serialize;
 
 use crate::case::Case;
 use crate::study::Study;
-use crate::table::Table;
+use crate::table::{Table, error_column};
 
 /// Scatter and sensitivity of a quantity, for the cases that have it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -23,6 +25,10 @@ pub struct Statistics {
     pub without: usize,
     /// Mean, standard deviation, quantiles; `None` if no case has it.
     pub spread: Option<Spread>,
+    /// Whether its whole spread is below the error of the computation: it depends on none of the variables there.
+    pub does_not_vary: bool,
+    /// Variables over whose range it changes by less than a thousandth of its spread.
+    pub does_not_depend_on: Vec<String>,
     /// Rank correlation with each numerical variable.
     pub rank_correlations: Vec<Sensitivity<Correlation>>,
     /// Sobol' indices of each variable, if the design has the points for them.
@@ -55,6 +61,8 @@ impl Statistics {
             quantity: quantity.to_owned(),
             without: all.iter().filter(|cell| cell.is_none()).count(),
             spread: Spread::new(&there),
+            does_not_vary: false,
+            does_not_depend_on: Vec::new(),
             rank_correlations: Vec::new(),
             sobol_indices: Vec::new(),
             blocks_left_out: 0,
@@ -66,6 +74,7 @@ impl Statistics {
                 statistics.rank_correlations.push(Sensitivity { variable: variable.name.clone(), measure });
             }
         }
+        statistics.judge_independence(study, table, &own);
         let one_part = first.iter().all(|first| *first);
         if study.design.sobol_indices && one_part {
             let (found, left_out) = sobol_indices(&all, study.variables.len(), study.design.seed);
@@ -75,5 +84,23 @@ impl Statistics {
             statistics.blocks_left_out = left_out;
         }
         statistics
+    }
+
+    /// Says on which variables the quantity does not depend.
+    fn judge_independence(&mut self, study: &Study, table: &Table, own: &[Option<f64>]) {
+        let numbers = |name: &str| table.column(name).and_then(crate::table::Cells::numbers);
+        let named: Vec<(&str, Vec<Option<f64>>)> =
+            study.variables.iter().filter_map(|v| Some((v.name.as_str(), numbers(&v.name)?))).collect();
+        let errors = numbers(&error_column(&self.quantity)).unwrap_or_default();
+        let is_whole =
+            |k: &usize| own[*k].is_some() && named.iter().all(|(_, x)| x.get(*k).copied().flatten().is_some());
+        let rows: Vec<usize> = (0..own.len()).filter(is_whole).collect();
+        let of = |cells: &[Option<f64>]| -> Vec<f64> {
+            rows.iter().map(|&k| cells.get(k).copied().flatten().unwrap_or(0.0)).collect()
+        };
+        let x: Vec<Vec<f64>> = named.iter().map(|(_, cells)| of(cells)).collect();
+        let found = independence(&x, &of(own), &of(&errors));
+        self.does_not_vary = found.of_all;
+        self.does_not_depend_on = found.of.iter().map(|v| named[*v].0.to_owned()).collect();
     }
 }

@@ -72,16 +72,86 @@ pub enum Place {
 pub struct Quantity {
     /// Name of its column.
     pub name: String,
-    /// Column of the branch.
-    pub of: String,
-    /// Point of the branch.
+    /// What is evaluated.
+    pub of: Of,
+    /// Point of the branch; of what needs none the largest value.
     pub at: Place,
+    /// Which of the responses of a scene it is about.
+    pub response: Selected,
+}
+
+/// What a quantity evaluates.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Of {
+    /// A column of the branch.
+    Column(String),
+    /// The largest amplitude of the first stop at the frequency of the load, between points.
+    Peak,
+    /// The frequency at which a sweep in this direction jumps first.
+    Jump(Sweep),
+}
+
+/// Direction of a sweep over the frequency.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sweep {
+    /// Toward higher frequencies.
+    Up,
+    /// Toward lower ones.
+    Down,
+}
+
+/// Responses of a scene by their number and level; all of them where neither is given.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Selected {
+    /// Number of the response, from 1.
+    pub response: Option<usize>,
+    /// Level, in the unit of the load.
+    pub level: Option<f64>,
+}
+
+impl Of {
+    /// Names of what is no column of `branch.csv`, and what it stands for in labels.
+    pub const NAMES: [(&'static str, &'static str); 5] = [
+        ("peak", "fundamental_m"),
+        ("jump_up_hz", "jump_up_hz"),
+        ("jump_down_hz", "jump_down_hz"),
+        ("max_force", "peak_contact_force_n"),
+        ("impulse", "impulse_ns"),
+    ];
+
+    /// By its name in a study: a column, or one of [`Self::NAMES`].
+    pub fn named(name: &str) -> Self {
+        match name {
+            "peak" => Self::Peak,
+            "jump_up_hz" => Self::Jump(Sweep::Up),
+            "jump_down_hz" => Self::Jump(Sweep::Down),
+            "max_force" => Self::Column("peak_contact_force_n".to_owned()),
+            "impulse" => Self::Column("impulse_ns".to_owned()),
+            column => Self::Column(column.to_owned()),
+        }
+    }
+
+    /// The column that it is of, or its name.
+    pub fn column(&self) -> &str {
+        match self {
+            Self::Column(name) => name,
+            Self::Peak => "fundamental_m",
+            Self::Jump(Sweep::Up) => "jump_up_hz",
+            Self::Jump(Sweep::Down) => "jump_down_hz",
+        }
+    }
+
+    /// Whether it is of responses over the frequency alone.
+    pub fn is_of_sweeps(&self) -> bool {
+        !matches!(self, Self::Column(_))
+    }
 }
 
 impl Quantity {
     /// Axis label: the name, and its column, which ends with the unit.
     pub fn label(&self) -> String {
-        if self.name == self.of { self.name.clone() } else { format!("{} ({})", self.name, self.of) }
+        let of = self.of.column();
+        if self.name == of { self.name.clone() } else { format!("{} ({of})", self.name) }
     }
 }
 

@@ -7,3 +7,8 @@ mod csv;
 mod parquet;
 
 pub use cells::{Cells, Column, Table};
+
+/// Name of the column with the estimated error of interpolation.
+pub fn error_column(quantity: &str) -> String {
+    format!("{quantity}_error")
+}

@@ -31,6 +31,9 @@ impl Display for Statistics {
         let quantiles = spread.quantiles.iter();
         let quantiles = quantiles.map(|[share, value]| format!("{} %: {}", 100.0 * share, number(*value)));
         write!(f, "\n  quantiles {}", quantiles.collect::<Vec<_>>().join(", "))?;
+        if let Some(said) = self.independence() {
+            write!(f, "\n  {said}")?;
+        }
         for found in &self.rank_correlations {
             let ([low, high], rho) = (found.measure.interval, found.measure.rho);
             write!(f, "\n  rank correlation with {}: {rho:.3} ({low:.3} to {high:.3})", found.variable)?;
@@ -44,6 +47,24 @@ impl Display for Statistics {
         match self.without {
             0 => Ok(()),
             without => write!(f, "\n  {without} cases do not have it"),
+        }
+    }
+}
+
+impl Statistics {
+    /// What is to be said of variables on which the quantity does not depend.
+    pub fn independence(&self) -> Option<String> {
+        match (self.does_not_vary, self.does_not_depend_on.as_slice()) {
+            (true, _) => Some(
+                "it does not depend on the variables: its spread is below the error of the computation (an energy \
+                 ratio moves with the gap; { energy_j = … } holds the energy itself)"
+                    .to_owned(),
+            ),
+            (false, []) => None,
+            (false, names) => {
+                let names = names.join(", ");
+                Some(format!("it does not depend on {names}: over the range less than 1/1000 of its spread"))
+            }
         }
     }
 }

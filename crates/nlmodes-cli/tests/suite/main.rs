@@ -6,6 +6,7 @@ mod contact_problems;
 mod contact_solvers;
 mod effort;
 mod elastic_stops;
+mod gradients;
 mod hostile_files;
 mod imposed_modes;
 mod interrupted;

@@ -113,6 +113,10 @@ pub(crate) trait LinearResponse {
     /// Unit of the coordinates for lengths near `length`.
     fn scale(&self, length: f64) -> f64;
 
+    /// From now on the equations are those of motions of any phase: where motions are even in time and nothing loads
+    /// them they may have other signs.
+    fn take_any_phase(&mut self) {}
+
     /// Writes the block of harmonic `n` for the coordinates and forces in it.
     fn evaluate(&mut self, n: usize, at: OperatingPoint, load: &Load, asked: Asked, block: &mut HarmonicBlock);
 

@@ -1,5 +1,6 @@
 use num_complex::Complex64;
 
+use super::change::StructureChange;
 use super::load::Load;
 use super::operating_point::OperatingPoint;
 use super::structure::ResponseRow;
@@ -52,6 +53,13 @@ pub trait ClosingEquation: Send {
     /// # Errors
     /// [`HbmError`] where the equation has no value.
     fn evaluate(&self, motion: &Motion) -> Result<Functional, HbmError>;
+
+    /// Derivative by a parameter of the structure where the motion is fixed: of equations that know something of the
+    /// structure, such as where its drive point is.
+    fn by_parameter_of_structure(&self, motion: &Motion, change: &StructureChange) -> f64 {
+        let _ = (motion, change);
+        0.0
+    }
 
     /// Whether it depends on the averaged kinetic energy.
     fn asks_for_energy(&self) -> bool {
@@ -173,5 +181,10 @@ impl ClosingEquation for PhaseLag {
 
     fn anew(&self) -> Box<dyn ClosingEquation> {
         Box::new(self.clone())
+    }
+
+    fn by_parameter_of_structure(&self, motion: &Motion, change: &StructureChange) -> f64 {
+        let (q, _) = self.amplitude(motion);
+        (-Complex64::I / q * change.of_row(&self.row, &change.drive, self.harmonic, motion)).re
     }
 }

@@ -199,6 +199,10 @@ impl LinearResponse for ContactResponse {
         length
     }
 
+    fn take_any_phase(&mut self) {
+        self.even = None;
+    }
+
     fn evaluate(&mut self, n: usize, at: OperatingPoint, load: &Load, asked: Asked, block: &mut HarmonicBlock) {
         block.reset();
         // The mean under a steady force is no sum over modes without load.

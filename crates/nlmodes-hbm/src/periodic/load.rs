@@ -1,3 +1,5 @@
+use std::sync::Arc;
+
 use num_complex::Complex64;
 
 use super::operating_point::OperatingPoint;
@@ -27,6 +29,15 @@ pub struct Load {
     steady: Vec<f64>,
     /// Level of the terms and what opens the gaps, m, c, where the level of the motion is that of the opening.
     opening: Option<(f64, Vec<f64>)>,
+    /// What a parameter of the structure does to each harmonic, where derivatives by the level stand for those by it.
+    varied: Option<Arc<Vec<VariedHarmonic>>>,
+}
+
+/// A parameter of a structure as a load of one harmonic: what it does to the modes (m, N/√kg) and to the gaps (c, m).
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct VariedHarmonic {
+    pub modal: Vec<Complex64>,
+    pub gaps: Vec<Complex64>,
 }
 
 /// A value with its derivatives with respect to ω, ξ and the level.
@@ -54,12 +65,12 @@ impl Load {
                 return Err(HbmError::NotFinite { what: "a load" });
             }
         }
-        Ok(Self { terms, steady: structure.steady_force().to_vec(), opening: None })
+        Ok(Self { terms, steady: structure.steady_force().to_vec(), opening: None, varied: None })
     }
 
     /// No terms, and the steady force of `structure`.
     pub(crate) fn none(structure: &ModalStructure) -> Self {
-        Self { terms: Vec::new(), steady: structure.steady_force().to_vec(), opening: None }
+        Self { terms: Vec::new(), steady: structure.steady_force().to_vec(), opening: None, varied: None }
     }
 
     /// The same load at a fixed level beside gaps that are opened by so much (c, m) times the level of the motion: with
@@ -75,6 +86,16 @@ impl Load {
         Ok(self)
     }
 
+    /// The same load, of which derivatives by the level are those by a parameter of the structure.
+    pub(crate) fn varied_by(&self, harmonics: Vec<VariedHarmonic>) -> Self {
+        Self { varied: Some(Arc::new(harmonics)), ..self.clone() }
+    }
+
+    /// Whether derivatives by the level are those by a parameter of the structure.
+    pub(crate) fn is_varied(&self) -> bool {
+        self.varied.is_some()
+    }
+
     /// The terms.
     pub fn terms(&self) -> &[LoadTerm] {
         &self.terms
@@ -87,7 +108,7 @@ impl Load {
 
     /// Whether anything drives harmonic n.
     pub(crate) fn has_harmonic(&self, n: usize) -> bool {
-        self.terms.iter().any(|t| t.harmonic == n) || (n == 0 && !self.steady.is_empty())
+        self.is_varied() || self.terms.iter().any(|t| t.harmonic == n) || (n == 0 && !self.steady.is_empty())
     }
 
     /// Modal load of mode k in harmonic n.
@@ -96,6 +117,7 @@ impl Load {
         if n == 0 {
             of.value += self.steady.get(k).copied().unwrap_or(0.0);
         }
+        self.vary_by(n, |varied| varied.modal[k], &mut of);
         of
     }
 
@@ -106,11 +128,21 @@ impl Load {
             of.value += opening * at.level;
             of.by[2] += opening;
         }
+        self.vary_by(n, |varied| varied.gaps.get(i).copied().unwrap_or_default(), &mut of);
         of
     }
 
+    /// Puts the derivative by a parameter of the structure in place of that by the level.
+    fn vary_by(&self, n: usize, value: impl Fn(&VariedHarmonic) -> Complex64, of: &mut Varied) {
+        if let Some(varied) = &self.varied {
+            of.by[2] = varied.get(n).map_or(Complex64::default(), value);
+        }
+    }
+
     pub(crate) fn moves_gaps(&self) -> bool {
-        self.opening.is_some() || self.terms.iter().any(|t| t.gaps.iter().any(|g| *g != Complex64::default()))
+        self.is_varied()
+            || self.opening.is_some()
+            || self.terms.iter().any(|t| t.gaps.iter().any(|g| *g != Complex64::default()))
     }
 
     fn sum(&self, n: usize, at: OperatingPoint, amplitude: impl Fn(&LoadTerm) -> Complex64) -> Varied {

@@ -74,6 +74,15 @@ impl PeriodicSystem {
         motion
     }
 
+    /// Keeps what lies below the last digits of a refined solution, until [`keep_nothing_below`](Self::keep_nothing_below).
+    pub(super) fn keep_below(&mut self, at: &Refined) {
+        self.rest.clone_from(&at.rest);
+    }
+
+    pub(super) fn keep_nothing_below(&mut self) {
+        self.rest.clear();
+    }
+
     /// Whether what lies below the last digits has a meaning: motions that are even in time do no work, and samples are
     /// no better than their number.
     fn keeps_rest(&self) -> bool {

@@ -64,7 +64,7 @@ pub struct PeriodicSystem {
     /// What lies below the last digit of each unknown of a refined solution; else empty.
     pub(super) rest: Vec<f64>,
     pub(crate) blocks: Vec<HarmonicBlock>,
-    assembly: Assembly,
+    pub(super) assembly: Assembly,
 }
 
 impl PeriodicSystem {
@@ -218,10 +218,11 @@ impl PeriodicSystem {
         let first = self.response.first_law() * series.width();
         self.reactions = self.laws.solve(&coefficients[first..], at.omega);
         self.add_reactions(0, &mut generalised);
-        let asked = Asked {
+        let mut asked = Asked {
             energy: self.closing.equations.iter().any(|equation| equation.asks_for_energy()),
             by: self.closing.sources().map(|source| source.slope(p).is_some()),
         };
+        asked.by[2] |= self.load.is_varied();
         for n in 0..=series.n_harmonics {
             let block = &mut self.blocks[n];
             for (to, from) in [(&mut block.x, &coefficients), (&mut block.force, &generalised)] {
@@ -275,7 +276,7 @@ impl PeriodicSystem {
     }
 
     /// `Pᵀ λ`, d × width, from λ (c × width); of nothing nothing.
-    fn generalised(&self, forces: &[f64]) -> Vec<f64> {
+    pub(super) fn generalised(&self, forces: &[f64]) -> Vec<f64> {
         let (d, width) = (self.response.n_coordinates(), self.series().width());
         let mut out = vec![0.0; if forces.is_empty() { 0 } else { d * width }];
         for (i, force) in forces.chunks(width).enumerate() {
@@ -339,9 +340,32 @@ impl PeriodicSystem {
 }
 
 impl PeriodicSystem {
+    /// Columns of ω, ξ and the level in the Jacobian, with the slope of each; none of what is given.
+    pub(super) fn scalar_columns(&self, p: f64) -> [Option<(usize, f64)>; 3] {
+        let (size, dim) = (self.n_coefficients(), self.dim());
+        let column = |column: Column| match column {
+            Column::Unknown(index) => size + index,
+            Column::Parameter => dim,
+        };
+        self.closing.sources().map(|source| source.slope(p).map(|(c, slope)| (column(c), slope)))
+    }
+
+    /// The motion solved last as closing equations see it.
+    pub(super) fn with_motion<T>(&self, x: &[f64], at: OperatingPoint, p: f64, look: impl FnOnce(&Motion) -> T) -> T {
+        look(&Motion {
+            at,
+            p,
+            x: &x[..self.n_coefficients()],
+            eta: &|n| self.modal_motion(n, at).eta,
+            kinetic_energy: self.blocks.iter().map(|block| block.kinetic.value).sum(),
+            forces: &|n| self.forces_of_harmonic(n),
+            load: &self.load,
+        })
+    }
+
     /// Derivatives of a closing equation through the motion: with respect to the coefficients, and to ω, ξ and the
     /// level; `forces_by` are those of the forces with respect to the latter through the gaps.
-    fn gradient(
+    pub(super) fn gradient(
         &mut self,
         functional: &Functional,
         at: OperatingPoint,
@@ -407,11 +431,7 @@ impl ParametricSystem for PeriodicSystem {
         let (size, dim, unit) = (self.n_coefficients(), self.dim(), self.unit());
         // The columns behind those of the coefficients, of which not every entry is written below.
         (size..=dim).for_each(|j| out.jacobian.col_mut(j).fill(0.0));
-        let column = |column: Column| match column {
-            Column::Unknown(index) => size + index,
-            Column::Parameter => dim,
-        };
-        let slopes = self.closing.sources().map(|source| source.slope(p).map(|(c, slope)| (column(c), slope)));
+        let slopes = self.scalar_columns(p);
         let moved = self.load_gaps(at);
         let forces_by = [0, 1, 2].map(|t| self.operator.apply(&moved[t]));
         let mut generalised_by = [0, 1, 2].map(|t| self.generalised(&forces_by[t]));
@@ -424,17 +444,10 @@ impl ParametricSystem for PeriodicSystem {
                 self.assembly.scalar_column(n, &self.blocks[n], t, &force, slope / unit, *column, &mut out.jacobian);
             }
         }
-        let motion = Motion {
-            at,
-            p,
-            x: &x[..size],
-            eta: &|n| self.modal_motion(n, at).eta,
-            kinetic_energy: self.blocks.iter().map(|block| block.kinetic.value).sum(),
-            forces: &|n| self.forces_of_harmonic(n),
-            load: &self.load,
+        let evaluate = |motion: &Motion| -> Result<Vec<Functional>, HbmError> {
+            self.closing.equations.iter().map(|equation| equation.evaluate(motion)).collect()
         };
-        let functionals = self.closing.equations.iter().map(|equation| equation.evaluate(&motion));
-        let functionals = functionals.collect::<Result<Vec<_>, _>>()?;
+        let functionals = self.with_motion(x, at, p, evaluate)?;
         for (k, functional) in functionals.iter().enumerate() {
             out.residual[size + k] = functional.value;
             let (entries, by) = self.gradient(functional, at, &forces_by);

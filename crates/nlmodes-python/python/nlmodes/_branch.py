@@ -171,6 +171,25 @@ class Branch(Table):
         first, last = np.searchsorted(stops["point"], [self._rows.start, self._rows.stop])
         return Table(self._stops, slice(int(first), int(last)))
 
+    def gradient(self, key: str, of: str = "frequency") -> NDArray[np.float64]:
+        """Derivative of every point (points,) by a parameter of ``[[sensitivity]]``, per unit of its key.
+
+        ``of`` is ``frequency`` (Hz), ``amplitude``, ``peak`` (m), ``peak_force`` (N), ``impulse`` (N s), ``level`` or ``damping_ratio``. Modes are
+        differentiated at constant energy, responses at constant frequency and level, their frequency at constant amplitude; NaN where a point has
+        no such derivative.
+        """
+        column = f"d_{of}_d_{key}"
+        if column not in self:
+            begin, own = f"d_{of}_d_", [name for name in self.columns if name.startswith("d_") and "_d_" in name[2:]]
+            keys = sorted({name.split("_d_", 1)[1] for name in own})
+            kinds = sorted({name[2:].split("_d_", 1)[0] for name in own})
+            if not own:
+                raise KeyError(f"there are no gradients; the scene needs [[sensitivity]] key = {key!r}")
+            if any(name.startswith(begin) for name in own):
+                raise KeyError(f"there is no gradient by {key!r}; the scene has: {', '.join(keys)}")
+            raise KeyError(f"there is no gradient of {of!r}; there are: {', '.join(kinds)}")
+        return np.asarray(self[column], dtype=np.float64)
+
     def shape(self, point: int, harmonic: int = 1) -> NDArray[np.complex128]:
         """Complex amplitudes (coordinates,) of a harmonic at a point, m or rad."""
         return self.coefficients[self._point(point), :, self._harmonic(harmonic)]

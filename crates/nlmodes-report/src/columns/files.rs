@@ -1,11 +1,11 @@
 use super::{
-    AppropriationRow, BranchRow, Column, ContactRow, DecayRow, DifferenceRow, FileMeaning, ModalPointRow,
-    ParticipationRow, ResponseDifferenceRow, ResponseRow, Row, StopDifferenceRow, TouchRow,
+    AppropriationRow, BranchRow, Column, ContactRow, DecayRow, DifferenceRow, FileMeaning, GRADIENT_COLUMNS,
+    ModalPointRow, ParticipationRow, ResponseDifferenceRow, ResponseRow, Row, StopDifferenceRow, TouchRow,
 };
 use crate::table::{HARMONIC_ARRAYS, HISTORY_ARRAYS, MATLAB_VARIABLES, START_ARRAYS, TRANSIENT_ARRAYS};
 
 /// The results files of a structure, in order of usefulness.
-pub const FILES: [FileMeaning; 27] = [
+pub const FILES: [FileMeaning; 28] = [
     FileMeaning {
         name: "branch.csv",
         meaning: "The branch, a row a point, written as points are found; other branches of a run stand in folders of \
@@ -17,6 +17,12 @@ pub const FILES: [FileMeaning; 27] = [
         meaning: "Of a scene with responses, the points of all its curves: the columns above, with the frequency of \
             the load in `frequency_hz` and the amplitude of stop 0 at that frequency in `fundamental_m`, and these",
         columns: &[ResponseRow::COLUMNS],
+    },
+    FileMeaning {
+        name: "branch.csv with gradients",
+        meaning: "Of a scene with `[[sensitivity]]`, behind the columns above and for each parameter those of these that \
+            its points have; of modes written at the end of the run",
+        columns: &[&GRADIENT_COLUMNS],
     },
     FileMeaning {
         name: "appropriation.csv",
@@ -141,6 +147,7 @@ pub const FILES: [FileMeaning; 27] = [
     FileMeaning {
         name: "frequency_energy.svg",
         meaning: "Figures, also `frequency_amplitude.svg`, `contacts.svg`, `participation.svg`, `motion_….svg`, \
+            with `[[sensitivity]]` `gradients_….svg`, \
             `history_P….svg`; of responses `responses.svg` and others instead of the first two, of motions in time `envelope.svg` and `spectrum.svg`, and motions, contacts \
             and histories of the first curve, up to its largest contact force; left out with `output.figures = false`",
         columns: &[],

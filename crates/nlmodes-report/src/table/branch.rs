@@ -1,21 +1,24 @@
 use super::rows::write_rows;
 use crate::ReportError;
-use crate::columns::{BranchRow, Cells, Row};
+use crate::columns::{BranchRow, Cells, GradientColumns, Row};
 use crate::output::temporary_name;
 use nlmodes_modal::{ModalBranch, ModalPoint};
 use std::fs::{self, File};
 use std::io::{self, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-/// Writes a branch as CSV: a header with the columns of [`BranchRow`] and a row a point.
+/// Writes a branch as CSV: a header with the columns of [`BranchRow`], and of [`GradientColumns`] where its points have
+/// derivatives, and a row a point.
 ///
 /// A file of that name is replaced at once, never half.
 ///
 /// # Errors
 /// [`ReportError::Io`] if the file cannot be written.
 pub fn write_branch(path: impl AsRef<Path>, branch: &ModalBranch) -> Result<(), ReportError> {
-    let rows = branch.points.iter().enumerate().map(|(index, point)| BranchRow::of(index, point));
-    write_rows(path, &BranchRow::unknown(), rows)
+    let gradients = GradientColumns::of(branch.points.iter());
+    let rows = branch.points.iter().enumerate();
+    let rows = rows.map(|(index, point)| (BranchRow::of(index, point), gradients.cells(point)));
+    write_rows(path, &(BranchRow::unknown(), gradients.cells(&ModalPoint::default())), rows)
 }
 
 /// Writes a branch as CSV while it is being computed, so that an interrupted run keeps its rows.

@@ -7,6 +7,7 @@ mod dissipating_stops;
 mod finer;
 mod floating;
 mod free_phase;
+mod gradients;
 mod integrated;
 mod limits;
 mod limits_of_structures;

@@ -7,7 +7,7 @@ use nlmodes::report::{Abscissa, BranchFigure, ContactFigure, Figure, MotionFigur
 use nlmodes_scene::scene::Scene;
 
 use super::histories::Reference;
-use super::{Curve, SHOWN_MODES, stops};
+use super::{Curve, SHOWN_MODES, gradients, stops};
 use crate::Failure;
 use crate::style::style_of;
 
@@ -21,6 +21,9 @@ pub fn write(directory: &Path, scene: &Scene, curves: &[&dyn Curve], title: &str
         contacts.styled(&style).write(directory.join("contacts.svg"))?;
     }
     participation(directory, scene, curves)?;
+    for (k, (_, figure)) in gradients::figures(branch).into_iter().enumerate() {
+        figure.styled(&style).write(directory.join(format!("gradients_{}.svg", k + 1)))?;
+    }
     let (held, stops) = (stops::held_ends(scene, branch), curve.stops());
     for (k, point) in curve.pictured().iter().enumerate().filter(|_| stops::are_along_an_axis(branch)) {
         let figure = match MotionFigure::new(branch, *point).clamped_at(&held).stops(&stops).render() {

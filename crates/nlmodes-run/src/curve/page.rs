@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use super::histories::Reference;
 use super::space::Period;
-use super::{Curve, SHOWN_MODES};
+use super::{Curve, SHOWN_MODES, gradients};
 use crate::Failure;
 use crate::certificate::{Certificate, tables};
 
@@ -91,8 +91,12 @@ pub fn write(
     for text in content.further_lines {
         report = report.line(text);
     }
-    for table in content.tables {
+    let first = curves.first().map(|curve| curve.branch());
+    for table in content.tables.into_iter().chain(first.and_then(gradients::table)) {
         report = report.table(table);
+    }
+    for (title, figure) in first.into_iter().flat_map(gradients::figures) {
+        report = report.figure(title, figure);
     }
     for (title, document) in &content.documents {
         report = report.document(title, document)?;

@@ -1,15 +1,16 @@
 //! From motions in open modes to points of a curve, which tables, figures and page share with other computations.
 
-use nlmodes::hbm::{HbmError, PeriodicMotion, ResponseRow, largest_value};
+use nlmodes::hbm::{HbmError, MotionChange, PeriodicMotion, ResponseRow, largest_value};
 use nlmodes::modal::{
-    BranchEnd, Driven, HarmonicCoefficients, InternalResonance, ModalBranch, ModalPoint, Participation,
+    BranchEnd, Driven, Gradient, HarmonicCoefficients, InternalResonance, ModalBranch, ModalPoint, Participation,
 };
 use nlmodes::response::{Appropriation, ResponseError, ResponseModel, ResponsePoint, Weights};
 use nlmodes_scene::scene::ResponseKind;
 use num_complex::Complex64;
 
-use super::model::Model;
+use super::model::{Model, Parameter};
 use crate::curve::LINEAR_MODES;
+use crate::gradients::gradient;
 use crate::physical::count_from_drawing;
 use crate::sliding::speed;
 
@@ -86,6 +87,7 @@ impl<'a> Converter<'a> {
             fundamental: self.fundamental(point),
             peak: self.peak(motion),
             driven: Some(self.driven(point, appropriated)?),
+            gradients: self.gradients(point),
             ..point.modal_point()
         };
         self.model.state.iter().for_each(|state| count_from_drawing(state, &mut found));
@@ -95,6 +97,15 @@ impl<'a> Converter<'a> {
             InternalResonance::of_harmonic(harmonic, harmonic as f64 * found.omega, &self.omega, modal)
         });
         Ok(found)
+    }
+
+    /// Derivatives by the parameters of the scene.
+    fn gradients(&self, point: &ResponsePoint) -> Vec<Gradient> {
+        let of = |(parameter, found): (&Parameter, &MotionChange)| {
+            let moved = parameter.states.iter().map(|(model, _, weight)| weight * model.toward_first());
+            gradient(&parameter.sensitivity, found, self.subharmonic, moved.sum())
+        };
+        self.model.parameters.iter().zip(&point.gradients).map(of).collect()
     }
 
     /// Says how the contacts of the point slide, where any does.

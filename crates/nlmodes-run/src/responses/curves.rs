@@ -15,6 +15,7 @@ use nlmodes_scene::number;
 use nlmodes_scene::scene::{AtBranchPoint, Response, ResponseKind, Scene, StabilityChoice, Switching};
 
 use super::convert::Converter;
+use super::gradients::gradients;
 use super::model::Model;
 use crate::chain;
 
@@ -163,6 +164,8 @@ pub fn follow(
         wall_time: began.elapsed(),
     };
     let followed = model.with_drive(job.response).and_then(|system| {
+        let differentiated = gradients(model, scene, (job.response, job.level), &settings, &system)?;
+        let settings = settings.with_gradients(differentiated);
         let (curves, accuracy) = accurate(&system, scene, &job, &settings)?;
         let converter = Converter::new(model, &system, job.wanted.kind, job.wanted.subharmonic)?;
         let mut all = Vec::new();

@@ -8,12 +8,13 @@ use nlmodes::response::{Dashpot, ResponseError, ResponseModel, Weights};
 use nlmodes_reduction::OpenModes;
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::{OpenStructure, StaticState, Structures};
-use nlmodes_scene::scene::{Place, Response, ResponseKind, Scene, Side};
+use nlmodes_scene::scene::{Place, Response, ResponseKind, Scene, SceneState, Sensitivity, Side};
 
 use super::damping::damping;
 use super::laws;
 use super::structure::{Reduced, base_motion, reduced};
 use crate::curve::stress::Stress;
+use crate::gradients::with_modes;
 use crate::physical::of_dofs;
 use crate::sliding::Tangents;
 use crate::{RunError, chain, refusal};
@@ -58,6 +59,16 @@ pub struct Model {
     pub stop_dampers: Vec<(usize, f64)>,
     /// What is to be known about what is left out.
     pub warnings: Vec<String>,
+    /// The parameters of the scene, with the model at other values of each.
+    pub parameters: Vec<Parameter>,
+}
+
+/// A parameter by which motions are differentiated.
+pub struct Parameter {
+    /// Its key and value.
+    pub sensitivity: Sensitivity,
+    /// The model and its scene at other values, with their weights in the difference quotient.
+    pub states: Vec<(Model, Scene, f64)>,
 }
 
 impl Model {
@@ -156,6 +167,7 @@ impl Model {
         let contact_coordinates: Vec<Option<usize>> =
             contacts.iter().map(|weights| coordinate(weights, recorded)).collect();
         let model = Self {
+            parameters: parameters(file, parts.open.n_modes(), structures)?,
             gaps: drawn_gaps(&parts),
             moved: parts.state.as_ref().map(|state| of_dofs(state, &parts.recorded)).unwrap_or_default(),
             state: parts.state.clone(),
@@ -224,10 +236,32 @@ impl Model {
         structure.omega_squared().get(mode.checked_sub(1)?).map(|w| w.max(0.0).sqrt())
     }
 
+    /// What static loads move the first contact toward its stop, m.
+    pub fn toward_first(&self) -> f64 {
+        let pair = self.gaps.first().zip(self.open_modes().gaps().first());
+        pair.map_or(0.0, |(drawn, gap)| drawn - gap)
+    }
+
     /// The reduction.
     pub fn open_modes(&self) -> &OpenModes {
         self.response.open_modes()
     }
+}
+
+/// The models at other values of the parameters of a scene, with as many modes.
+fn parameters(file: &SceneFile, modes: usize, structures: &Structures) -> Result<Vec<Parameter>, RunError> {
+    let state = |number: usize, state: &SceneState| {
+        let scene = with_modes(&state.scene, modes);
+        let model = Model::sharing(&SceneFile::without_text(scene, ""), structures).map_err(|error| {
+            RunError::from(file.error_at(&format!("sensitivity.{number}.key"), &chain(&error), "here", &[]))
+        })?;
+        Ok((model, state.scene.clone(), state.weight))
+    };
+    let of = |(number, sensitivity): (usize, &Sensitivity)| {
+        let states = sensitivity.states.iter().map(|one| state(number, one)).collect::<Result<_, RunError>>()?;
+        Ok(Parameter { sensitivity: sensitivity.clone(), states })
+    };
+    file.scene.sensitivities.iter().enumerate().map(of).collect()
 }
 
 /// Displacements within the planes of the contacts.

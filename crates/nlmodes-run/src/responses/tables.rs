@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use nlmodes::modal::ModalPoint;
-use nlmodes::report::columns::{BranchRow, ResponseRow, Row};
+use nlmodes::report::columns::{BranchRow, GradientColumns, ResponseRow, Row};
 use nlmodes::report::{ReportError, write_rows};
 use nlmodes_scene::scene::Scene;
 
@@ -32,11 +32,14 @@ pub fn write_points(
 ) -> Result<(), ReportError> {
     fs::create_dir_all(directory).map_err(|source| ReportError::Io { path: directory.to_path_buf(), source })?;
     let shown = viewed(scene, model, curves);
+    let gradients = GradientColumns::of(shown.iter().flat_map(|one| &one.branch().points));
     let rows = shown.iter().flat_map(|one| (0..one.branch().points.len()).map(move |k| (one, k)));
     let rows = rows.enumerate().filter_map(|(index, (one, k))| {
-        Some((BranchRow::of(index, one.branch().points.get(k)?), one.response_row(k)?))
+        let point = one.branch().points.get(k)?;
+        Some(((BranchRow::of(index, point), one.response_row(k)?), gradients.cells(point)))
     });
-    write_rows(directory.join("branch.csv"), &(BranchRow::unknown(), ResponseRow::unknown()), rows)
+    let like = ((BranchRow::unknown(), ResponseRow::unknown()), gradients.cells(&ModalPoint::default()));
+    write_rows(directory.join("branch.csv"), &like, rows)
 }
 
 /// Writes `appropriation.csv`, the forces of each drive point in each harmonic, where they were computed.

@@ -120,7 +120,7 @@ pub fn diagnostic(key: &str, path: &str, table: Rule<'_>, guess: &Guess) -> Diag
 }
 
 /// Tables that may occur several times.
-const LISTS: [&str; 11] = [
+const LISTS: [&str; 12] = [
     "contact",
     "channel",
     "vary",
@@ -128,6 +128,7 @@ const LISTS: [&str; 11] = [
     "force",
     "static_force",
     "spring",
+    "sensitivity",
     "damping.dashpot",
     "structure.mass_point",
     "structure.spring",

@@ -1,13 +1,13 @@
 //! The quantities of each case.
 
 use nlmodes::modal::Event;
-use nlmodes::report::columns::{BranchRow, Row};
+use nlmodes::report::columns::{BranchRow, ResponseRow, Row};
 use nlmodes_scene::{Diagnostic, Diagnostics, nearest};
 use serde_json::Value;
 
 use crate::curve::{ENERGY_RATIO, has_numbers};
 use crate::raw::RawQuantity;
-use crate::study::{Place, Quantity};
+use crate::study::{Of, Place, Quantity, Selected};
 
 const EXPECTED: &str = "expected { energy_ratio = 2.0 }, { column = value }, \"first\", \"last\", \"max\", \"min\" or \
     the name of an event";
@@ -18,15 +18,35 @@ pub fn quantities(raw: &[RawQuantity], diagnostics: &mut Diagnostics<'_>) -> Vec
 
 fn quantity(raw: &RawQuantity, k: usize, diagnostics: &mut Diagnostics<'_>) -> Option<Quantity> {
     let path = format!("quantity.{k}");
-    let at = place(raw.at.as_ref()?, &format!("{path}.at"), diagnostics);
-    let of = raw.of.clone()?;
-    is_column(&of, &format!("{path}.of"), diagnostics)?;
-    Some(Quantity { name: raw.name.clone()?, of, at: at? })
+    let name = raw.of.clone()?;
+    if !Of::NAMES.iter().any(|(own, _)| *own == name) {
+        is_column(&name, &format!("{path}.of"), diagnostics)?;
+    }
+    let of = Of::named(&name);
+    let at = match &raw.at {
+        Some(_) if of.is_of_sweeps() => {
+            let diagnostic = Diagnostic::error(format!("`{path}.at` has no meaning for \"{name}\""));
+            let help = "a value at a frequency is that of a column: of = \"fundamental_m\", at = { frequency_hz = … }";
+            diagnostics.put(&format!("{path}.at"), diagnostic.help(help), "expected to be left out");
+            return None;
+        }
+        Some(written) => place(written, &format!("{path}.at"), diagnostics)?,
+        None if of.is_of_sweeps() || Of::NAMES.iter().any(|(own, _)| *own == name) => Place::Max,
+        None => {
+            let diagnostic = Diagnostic::error(format!("`{path}.at` is missing"));
+            diagnostics.put(&path, diagnostic, EXPECTED);
+            return None;
+        }
+    };
+    let response = Selected { response: raw.response.map(|number| number as usize), level: raw.level };
+    Some(Quantity { name: raw.name.clone()?, of, at, response })
 }
 
-/// Numerical columns of a branch.
+/// Numerical columns of a branch, and of responses.
 fn columns() -> impl Iterator<Item = &'static str> {
-    let names = BranchRow::COLUMNS.iter().map(|column| column.name);
+    let all = BranchRow::COLUMNS.iter().zip(BranchRow::TEXTS);
+    let all = all.chain(ResponseRow::COLUMNS.iter().zip(ResponseRow::TEXTS));
+    let names = all.filter(|(_, is_text)| !**is_text).map(|(column, _)| column.name);
     std::iter::once(ENERGY_RATIO).chain(names.filter(|name| has_numbers(name)))
 }
 

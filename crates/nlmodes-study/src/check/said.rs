@@ -1,10 +1,11 @@
 //! Errors of the scene of the first case, at the corresponding position in the study.
 
+use nlmodes_scene::scene::{ResponseKind, Scene};
 use nlmodes_scene::{Diagnostic, Diagnostics, Severity};
 
 use crate::case;
 use crate::design::Points;
-use crate::study::Study;
+use crate::study::{Selected, Study};
 
 /// Checks that the keys of the first case exist in the scene: otherwise no case is possible.
 ///
@@ -17,10 +18,19 @@ pub fn first_case(study: &Study, diagnostics: &mut Diagnostics<'_>) {
     let refused = match case::resolve(study, &point) {
         Err(refused) => refused,
         Ok(parts) => {
-            if parts.iter().any(|part| !part.file.scene.responses.is_empty()) {
-                let diagnostic =
-                    Diagnostic::error("the scene asks for responses: studies are of nonlinear modes so far");
-                diagnostics.put("scene", diagnostic, "expected a scene without [response]");
+            let scenes = || parts.iter().map(|part| &part.file.scene);
+            let over_frequency = |scene: &Scene| scene.responses.iter().any(|r| r.kind == ResponseKind::Frequency);
+            for (k, quantity) in study.quantities.iter().enumerate() {
+                let is_of_responses = quantity.of.is_of_sweeps() || quantity.response != Selected::default();
+                if is_of_responses && !scenes().any(over_frequency) {
+                    let title =
+                        format!("`{}` is of responses over the frequency, which the scene has not", quantity.name);
+                    diagnostics.put(
+                        &format!("quantity.{k}"),
+                        Diagnostic::error(title),
+                        "expected a scene with [response]",
+                    );
+                }
             }
             if parts.iter().any(|part| part.file.scene.transient.is_some()) {
                 let diagnostic =

@@ -1,57 +1,91 @@
 //! All branches overlaid, and their percentiles.
 
+use crate::curve::{Curve, ENERGY_RATIO};
 use crate::statistics::quantile;
+use crate::study::Selected;
 
 /// Number of energies at which percentiles are evaluated.
 const PLACES: usize = 80;
 /// The percentiles, as shares.
 pub const SHARES: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
 
-/// A branch as drawn on the page.
+/// A curve as drawn on the page: the frequency (Hz) over the energy relative to that at grazing or, of responses, the
+/// amplitude of the first stop (m) over the frequency.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drawn {
     /// Number of its case.
     pub case: usize,
-    /// Averaged kinetic energy relative to that at grazing.
-    pub energy_ratio: Vec<f64>,
-    /// Frequency, Hz.
-    pub frequency_hz: Vec<f64>,
+    /// What is drawn over.
+    pub x: Vec<f64>,
+    /// What is drawn.
+    pub y: Vec<f64>,
+    /// Whether it is a response.
+    pub is_response: bool,
 }
 
 impl Drawn {
     /// The points with finite coordinates.
-    pub fn new(case: usize, energy_ratio: Option<&[f64]>, frequency_hz: Option<&[f64]>) -> Self {
-        let points = energy_ratio.unwrap_or_default().iter().zip(frequency_hz.unwrap_or_default());
-        let (energy_ratio, frequency_hz) = points.filter(|(x, y)| x.is_finite() && y.is_finite()).unzip();
-        Self { case, energy_ratio, frequency_hz }
+    pub fn new(case: usize, x: Option<&[f64]>, y: Option<&[f64]>) -> Self {
+        let points = x.unwrap_or_default().iter().zip(y.unwrap_or_default());
+        let (x, y) = points.filter(|(x, y)| x.is_finite() && y.is_finite()).unzip();
+        Self { case, x, y, is_response: false }
+    }
+
+    /// The curves of a case: its branch, or its responses over the frequency.
+    pub fn of(case: usize, curve: &Curve) -> Vec<Self> {
+        if !curve.is_of_responses() {
+            return vec![Self::new(case, curve.column(ENERGY_RATIO), curve.column("frequency_hz"))];
+        }
+        let response = |part: &Curve| {
+            let amplitude: Option<Vec<f64>> =
+                part.column("fundamental_m").map(|values| values.iter().map(|value| value.abs()).collect());
+            let one = Self::new(case, part.column("frequency_hz"), amplitude.as_deref());
+            Self { is_response: true, ..one }
+        };
+        curve.parts(Selected::default(), true).iter().map(response).collect()
+    }
+
+    /// All values at `x`, between points by the chord.
+    fn all_at(&self, x: f64) -> impl Iterator<Item = f64> {
+        let chord = move |(own, y): (&[f64], &[f64])| {
+            let holds = (own[0] <= x && x <= own[1]) || (own[1] <= x && x <= own[0]);
+            let share = if own[1] == own[0] { 0.0 } else { (x - own[0]) / (own[1] - own[0]) };
+            holds.then(|| y[0] + share * (y[1] - y[0]))
+        };
+        self.x.windows(2).zip(self.y.windows(2)).filter_map(chord)
     }
 
     /// Frequency where the energy is first reached.
     fn at(&self, ratio: f64) -> Option<f64> {
         let holds = |w: &[f64]| (w[0] <= ratio && ratio <= w[1]) || (w[1] <= ratio && ratio <= w[0]);
-        let k = self.energy_ratio.windows(2).position(holds)?;
-        let (x, y) = (&self.energy_ratio[k..k + 2], &self.frequency_hz[k..k + 2]);
+        let k = self.x.windows(2).position(holds)?;
+        let (x, y) = (&self.x[k..k + 2], &self.y[k..k + 2]);
         let share = if x[1] == x[0] { 0.0 } else { (ratio - x[0]) / (x[1] - x[0]) };
         Some(y[0] + share * (y[1] - y[0]))
     }
 }
 
-/// Percentiles of the frequency at energies, of the branches that reach them first from below.
+/// Percentiles of what is drawn: of branches at energies, of those that reach them first from below; of responses those
+/// of the largest amplitude that each case has at a frequency.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Band {
-    /// Averaged kinetic energies relative to that at grazing.
-    pub energy_ratio: Vec<f64>,
-    /// For each of 5, 25, 50, 75 and 95 % the frequencies, Hz, below which this fraction of the branches is.
-    pub frequency_hz: [Vec<f64>; 5],
+    /// What is drawn over.
+    pub x: Vec<f64>,
+    /// For each of 5, 25, 50, 75 and 95 % the values below which this fraction of the cases is.
+    pub y: [Vec<f64>; 5],
+    /// Of responses the envelope: the smallest and the largest amplitude that any case has at each frequency.
+    pub envelope: Option<[Vec<f64>; 2]>,
 }
 
 impl Band {
     /// For these branches, as far as at least half of them extend.
     pub fn new(drawn: &[Drawn]) -> Self {
-        let mut reached: Vec<f64> =
-            drawn.iter().filter_map(|d| d.energy_ratio.iter().copied().reduce(f64::max)).collect();
+        if drawn.iter().any(|one| one.is_response) {
+            return Self::of_responses(drawn);
+        }
+        let mut reached: Vec<f64> = drawn.iter().filter_map(|d| d.x.iter().copied().reduce(f64::max)).collect();
         reached.sort_by(f64::total_cmp);
-        let low = drawn.iter().filter_map(|d| d.energy_ratio.first().copied()).reduce(f64::max);
+        let low = drawn.iter().filter_map(|d| d.x.first().copied()).reduce(f64::max);
         let (Some(low), Some(high)) = (low, reached.get(reached.len() / 2).copied()) else { return Self::default() };
         if !(low > 0.0 && high > low) {
             return Self::default();
@@ -64,9 +98,39 @@ impl Band {
                 continue;
             }
             found.sort_by(f64::total_cmp);
-            band.energy_ratio.push(ratio);
-            for (line, share) in band.frequency_hz.iter_mut().zip(SHARES) {
+            band.x.push(ratio);
+            for (line, share) in band.y.iter_mut().zip(SHARES) {
                 line.push(quantile(&found, share));
+            }
+        }
+        band
+    }
+
+    /// Of the largest amplitude of each case at frequencies within all windows.
+    fn of_responses(drawn: &[Drawn]) -> Self {
+        let mut cases: Vec<usize> = drawn.iter().map(|one| one.case).collect();
+        cases.dedup();
+        let all = || drawn.iter().flat_map(|one| one.x.iter().copied());
+        let (Some(low), Some(high)) = (all().reduce(f64::min), all().reduce(f64::max)) else { return Self::default() };
+        let mut band = Self { envelope: Some(Default::default()), ..Self::default() };
+        for k in 0..=PLACES {
+            let x = low + (high - low) * k as f64 / PLACES as f64;
+            let of = |case: &usize| {
+                let own = drawn.iter().filter(|one| one.case == *case);
+                own.flat_map(|one| one.all_at(x)).reduce(f64::max)
+            };
+            let mut found: Vec<f64> = cases.iter().filter_map(of).collect();
+            if 2 * found.len() < cases.len().max(2) {
+                continue;
+            }
+            found.sort_by(f64::total_cmp);
+            band.x.push(x);
+            for (line, share) in band.y.iter_mut().zip(SHARES) {
+                line.push(quantile(&found, share));
+            }
+            if let (Some([least, most]), Some(first), Some(last)) = (&mut band.envelope, found.first(), found.last()) {
+                least.push(*first);
+                most.push(*last);
             }
         }
         band
@@ -84,9 +148,9 @@ mod tests {
             .map(|k| Drawn::new(k, Some(&[1.0, 2.0, 5.0]), Some(&[1.0, 2.0, 5.0].map(|r| 100.0 * k as f64 + r))))
             .collect();
         let band = Band::new(&drawn);
-        assert_eq!(band.energy_ratio.len(), PLACES);
-        for (k, ratio) in band.energy_ratio.iter().enumerate() {
-            for (share, line) in SHARES.iter().zip(&band.frequency_hz) {
+        assert_eq!(band.x.len(), PLACES);
+        for (k, ratio) in band.x.iter().enumerate() {
+            for (share, line) in SHARES.iter().zip(&band.y) {
                 assert!((line[k] - (1e4 * share + ratio)).abs() < 1e-8, "{share} {ratio}");
             }
         }

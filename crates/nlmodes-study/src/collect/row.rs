@@ -2,7 +2,7 @@
 
 use super::Drawn;
 use crate::case::Case;
-use crate::curve::{Curve, ENERGY_RATIO, Picked, pick};
+use crate::curve::{Curve, Picked, pick};
 use crate::store::{CaseRecord, Status, Store, branch_sha256};
 use crate::study::Study;
 
@@ -53,7 +53,8 @@ pub struct Row {
     /// Value and estimated error of each quantity.
     pub values: Vec<Option<[f64; 2]>>,
     pub points: Option<usize>,
-    pub drawn: Option<Drawn>,
+    /// Its curves as drawn; none where they are not.
+    pub drawn: Vec<Drawn>,
 }
 
 /// State of a case, with its record or the reason why there is none.
@@ -76,7 +77,7 @@ impl Row {
             reason,
             values: vec![None; study.quantities.len()],
             points: None,
-            drawn: None,
+            drawn: Vec::new(),
         };
         let (record, id) = match (record, &case.id) {
             (Ok(record), Ok(id)) if record.status != Status::Failed => (record, id),
@@ -107,7 +108,7 @@ impl Row {
             }
         });
         let values = values.collect();
-        let drawn = drawn.then(|| Drawn::new(case.number, curve.column(ENERGY_RATIO), curve.column("frequency_hz")));
+        let drawn = if drawn { Drawn::of(case.number, curve) } else { Vec::new() };
         Self { state, reason: reasons.join(" | "), values, points: Some(curve.len()), drawn }
     }
 }

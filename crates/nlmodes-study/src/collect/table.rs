@@ -2,8 +2,8 @@
 
 use crate::case::Case;
 use crate::collect::row::Row;
-use crate::study::{Place, Study};
-use crate::table::{Cells, Table};
+use crate::study::{Of, Place, Study};
+use crate::table::{Cells, Table, error_column};
 
 /// Fixed and optional columns of every table.
 pub const FIXED: [&str; 7] = ["case", "method", "harmonics", "points", "status", "reason", "id"];
@@ -26,7 +26,7 @@ pub fn table(study: &Study, cases: &[Case], rows: &[Row]) -> Table {
     for (k, quantity) in study.quantities.iter().enumerate() {
         let cell = |row: &Row| row.values.get(k).copied().flatten();
         table.push(&quantity.name, Cells::Numbers(rows.iter().map(|row| cell(row).map(|v| v[0])).collect()));
-        if matches!(quantity.at, Place::Column { .. }) {
+        if matches!(quantity.at, Place::Column { .. }) || quantity.of == Of::Peak {
             let error = rows.iter().map(|row| cell(row).map(|v| v[1])).collect();
             table.push(error_column(&quantity.name), Cells::Numbers(error));
         }
@@ -36,9 +36,4 @@ pub fn table(study: &Study, cases: &[Case], rows: &[Row]) -> Table {
     table.push("reason", Cells::Texts(rows.iter().map(|row| Some(row.reason.clone())).collect()));
     table.push("id", Cells::Texts(cases.iter().map(|case| case.id.as_ref().ok().cloned()).collect()));
     table
-}
-
-/// Name of the column with the estimated error of interpolation.
-pub fn error_column(quantity: &str) -> String {
-    format!("{quantity}_error")
 }

@@ -33,6 +33,50 @@ pub fn at_first(curve: &Curve, x: &[f64], y: &[f64], target: f64) -> Option<Betw
     }
 }
 
+/// Points on either side of the largest one through which a polynomial is laid.
+const AROUND: usize = 2;
+
+/// The largest value of `y` along the branch: of the polynomial through the largest point and up to two on each side,
+/// over the length of the chords, none beyond a corner; the error is what that adds, or its
+/// difference from the parabola through three.
+pub fn largest_between(curve: &Curve, x: &[f64], y: &[f64]) -> Option<Between> {
+    let k = (0..y.len()).filter(|k| y[*k].is_finite()).max_by(|a, b| y[*a].total_cmp(&y[*b]))?;
+    let is_corner = |point: usize| curve.events()[point].iter().any(|event| CORNERS.contains(event));
+    let is_sound = |point: usize| x[point].is_finite() && y[point].is_finite();
+    let reach = |step: isize| {
+        let on_the_way = (1..=AROUND).map_while(|n| k.checked_add_signed(step * n as isize).filter(|j| *j < y.len()));
+        let mut count = 0;
+        for point in on_the_way.take_while(|point| is_sound(*point)) {
+            count += 1;
+            if is_corner(point) {
+                break;
+            }
+        }
+        count
+    };
+    let [below, above] = [reach(-1), reach(1)];
+    if is_corner(k) || below == 0 || above == 0 {
+        return Some(Between { value: y[k], error: 0.0 });
+    }
+    // Beside the spans of the whole branch: within a peak the values hardly differ, and would bend the length.
+    let spans = [span(x), span(y)];
+    let most = |below: usize, above: usize| {
+        let (x, y) = (&x[k - below..=k + above], &y[k - below..=k + above]);
+        let places = chords_of_spans(x, y, spans);
+        let value = |s: f64| lagrange(&places, y, s);
+        let (mut low, mut high) = (places[below - 1], places[below + 1]);
+        for _ in 0..200 {
+            let [a, b] = [low + (high - low) / 3.0, high - (high - low) / 3.0];
+            if value(a) < value(b) { low = a } else { high = b }
+        }
+        value(0.5 * (low + high)).max(y[below])
+    };
+    let (parabola, whole) = (most(1, 1), most(below, above));
+    // Between few points of a sharp peak both polynomials err alike.
+    let error = (whole - parabola).abs().max(whole - y[k]);
+    Some(Between { value: whole, error })
+}
+
 fn interpolate(curve: &Curve, x: &[f64], y: &[f64], target: f64, before: usize) -> Option<Between> {
     let (from, to) = smooth_range(curve, before);
     let places = chords(&x[from..=to], &y[from..=to]);
@@ -64,11 +108,17 @@ fn smooth_range(curve: &Curve, before: usize) -> (usize, usize) {
 
 /// Lengths along the chords from the first point, each coordinate relative to its span.
 fn chords(x: &[f64], y: &[f64]) -> Vec<f64> {
-    let span = |values: &[f64]| {
-        let [low, high] = values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(*v), b.max(*v)]);
-        if high > low { high - low } else { 1.0 }
-    };
-    let (of_x, of_y) = (span(x), span(y));
+    chords_of_spans(x, y, [span(x), span(y)])
+}
+
+/// Largest less smallest value that is a number; one where there is no such.
+fn span(values: &[f64]) -> f64 {
+    let finite = values.iter().filter(|v| v.is_finite());
+    let [low, high] = finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(*v), b.max(*v)]);
+    if high > low { high - low } else { 1.0 }
+}
+
+fn chords_of_spans(x: &[f64], y: &[f64], [of_x, of_y]: [f64; 2]) -> Vec<f64> {
     let mut places = vec![0.0];
     for (x, y) in x.windows(2).zip(y.windows(2)) {
         let step = ((x[1] - x[0]) / of_x).hypot((y[1] - y[0]) / of_y);
@@ -138,6 +188,24 @@ mod tests {
         assert_eq!(at_first(&curve, &x, &y, x[0]).unwrap().value, y[0]);
         assert_eq!(at_first(&curve, &x, &y, 1.6), None);
         assert_eq!(at_first(&curve, &x, &y, 0.9), None);
+    }
+
+    #[test]
+    fn a_peak_between_points_is_found_and_its_error_is_estimated() {
+        // y = sin t has its peak 1 at t = π/2, between points of each of these grids.
+        let errors: Vec<[f64; 2]> = [11, 23, 47]
+            .map(|n| {
+                let (curve, x, y) = curve(n, |_| "");
+                let found = largest_between(&curve, &x, &y).unwrap();
+                [(found.value - 1.0).abs(), found.error]
+            })
+            .to_vec();
+        assert!(errors.iter().all(|[error, estimate]| error <= estimate), "{errors:?}");
+        assert!(errors[0][0] < 1e-3 && errors[2][0] < 1e-6, "{errors:?}");
+        // Not at an end, and not beside a corner.
+        let (curve, x, y) = curve(10, |_| "kink");
+        let highest = y.iter().copied().fold(0.0, f64::max);
+        assert_eq!(largest_between(&curve, &x, &y).unwrap(), Between { value: highest, error: 0.0 });
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! Quantities of a branch.
 
-use super::Curve;
-use super::between::{Between, at_first};
-use crate::study::{Place, Quantity};
+use super::between::{Between, at_first, largest_between};
+use super::{Curve, Level};
+use crate::study::{Of, Place, Quantity, Selected, Sweep};
 
 /// Value of a quantity on one branch.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,36 +18,97 @@ pub enum Picked {
     Missing(String),
 }
 
-/// Evaluates a quantity on a branch.
+/// Evaluates a quantity on a branch, or on the curves of responses that it is about.
 pub fn pick(curve: &Curve, quantity: &Quantity) -> Picked {
-    let missing = |reason: String| Picked::Missing(format!("{}: {reason}", quantity.name));
-    let Some(values) = curve.column(&quantity.of) else {
-        return missing(format!("there is no column {}", quantity.of));
+    let found = match &quantity.of {
+        Of::Column(column) => of_column(curve, quantity, column),
+        Of::Peak => peak(curve, quantity),
+        Of::Jump(sweep) => jump(curve, quantity, *sweep),
     };
-    let found = match &quantity.at {
-        Place::First => of_point(values, 0),
-        Place::Last => of_point(values, values.len().wrapping_sub(1)),
-        Place::Max => extreme(values, f64::gt),
-        Place::Min => extreme(values, f64::lt),
-        Place::Event(event) => {
-            let point = curve.events().iter().position(|events| events.contains(event));
-            match point {
-                Some(point) => of_point(values, point),
-                None => return missing(format!("the branch has no {event}")),
-            }
-        }
-        Place::Column { name, value } => match curve.column(name) {
-            Some(x) => match at_first(curve, x, values, *value) {
-                Some(found) => Some(found),
-                None => return missing(never(x, name, *value)),
-            },
-            None => return missing(format!("there is no column {name}")),
-        },
-    };
-    match found.filter(|found| found.value.is_finite()) {
-        Some(Between { value, error }) => Picked::Value { value, error },
-        None => missing(format!("{} has no value there", quantity.of)),
+    match found {
+        Ok(Between { value, error }) if value.is_finite() => Picked::Value { value, error },
+        Ok(_) => Picked::Missing(format!("{}: {} has no value there", quantity.name, quantity.of.column())),
+        Err(reason) => Picked::Missing(format!("{}: {reason}", quantity.name)),
     }
+}
+
+/// A column at a place: of several curves at the first one that has it, or the most extreme of all.
+fn of_column(curve: &Curve, quantity: &Quantity, column: &str) -> Result<Between, String> {
+    let parts = curve.parts(quantity.response, false);
+    if parts.is_empty() {
+        return Err(no_curve(quantity));
+    }
+    let found = parts.iter().map(|part| at_place(part, quantity, column));
+    let wanted: fn(f64, f64) -> bool = match quantity.at {
+        Place::Max => |new, old| new > old,
+        Place::Min => |new, old| new < old,
+        _ => {
+            let mut found: Vec<Result<Between, String>> = found.collect();
+            let first = found.iter().position(Result::is_ok).unwrap_or(0);
+            return found.swap_remove(first);
+        }
+    };
+    found
+        .reduce(|best, next| match (&best, &next) {
+            (Ok(old), Ok(new)) if wanted(new.value, old.value) => next,
+            (Err(_), Ok(_)) => next,
+            _ => best,
+        })
+        .unwrap_or_else(|| Err(no_curve(quantity)))
+}
+
+fn no_curve(quantity: &Quantity) -> String {
+    let Selected { response, level } = quantity.response;
+    let response = response.map(|number| format!(" of response {number}"));
+    let level = level.map(|level| format!(" at level {}", nlmodes_scene::number(level)));
+    format!("there is no curve{}{}", response.unwrap_or_default(), level.unwrap_or_default())
+}
+
+fn at_place(curve: &Curve, quantity: &Quantity, column: &str) -> Result<Between, String> {
+    let Some(values) = curve.column(column) else { return Err(format!("there is no column {column}")) };
+    let unknown = || format!("{column} has no value there");
+    match &quantity.at {
+        Place::First => of_point(values, 0).ok_or_else(unknown),
+        Place::Last => of_point(values, values.len().wrapping_sub(1)).ok_or_else(unknown),
+        Place::Max => extreme(values, f64::gt).ok_or_else(unknown),
+        Place::Min => extreme(values, f64::lt).ok_or_else(unknown),
+        Place::Event(event) => match curve.events().iter().position(|events| events.contains(event)) {
+            Some(point) => of_point(values, point).ok_or_else(unknown),
+            None => Err(format!("the branch has no {event}")),
+        },
+        Place::Column { name, value } => match curve.column(name) {
+            Some(x) => at_first(curve, x, values, *value).ok_or_else(|| never(x, name, *value)),
+            None => Err(format!("there is no column {name}")),
+        },
+    }
+}
+
+/// The largest amplitude of the curves over the frequency, between points.
+fn peak(curve: &Curve, quantity: &Quantity) -> Result<Between, String> {
+    let parts = curve.parts(quantity.response, true);
+    let of = |part: &Curve| {
+        let amplitude: Vec<f64> = part.column("fundamental_m")?.iter().map(|value| value.abs()).collect();
+        largest_between(part, part.column("frequency_hz")?, &amplitude)
+    };
+    let found = parts.iter().filter_map(of);
+    found.max_by(|a, b| a.value.total_cmp(&b.value)).ok_or_else(|| no_curve(quantity))
+}
+
+/// The frequency of the first jump of a sweep: the lowest upwards, the highest downwards.
+fn jump(curve: &Curve, quantity: &Quantity, sweep: Sweep) -> Result<Between, String> {
+    let is_up = sweep == Sweep::Up;
+    let mut levels = curve.levels(quantity.response).peekable();
+    if levels.peek().is_none() {
+        return Err(no_curve(quantity));
+    }
+    let levels: Vec<&Level> = levels.collect();
+    if levels.iter().all(|level| !level.is_known) {
+        return Err("stability is not known, without which no jumps are (output.stability)".to_owned());
+    }
+    let jumps = levels.iter().flat_map(|level| &level.jumps).filter(|(_, up)| *up == is_up).map(|(hz, _)| *hz);
+    let first = if is_up { jumps.reduce(f64::min) } else { jumps.reduce(f64::max) };
+    let name = if is_up { "up" } else { "down" };
+    first.map(|value| Between { value, error: 0.0 }).ok_or_else(|| format!("a sweep {name} does not jump"))
 }
 
 fn of_point(values: &[f64], point: usize) -> Option<Between> {

@@ -3,15 +3,19 @@
 use nlmodes::modal::Event;
 use std::fs;
 use std::io;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 use thiserror::Error;
 
+use crate::study::Selected;
+
 /// Averaged kinetic energy relative to that at grazing: not a column of the file, but defined for every branch.
 pub const ENERGY_RATIO: &str = "energy_ratio";
 const ENERGY: &str = "energy_j";
 const EVENT: &str = "event";
+const KIND: &str = "kind";
 /// Text columns.
 const TEXTS: [&str; 3] = [EVENT, "resonance", "stable"];
 
@@ -42,7 +46,7 @@ pub enum CurveError {
     },
 }
 
-/// The points of a branch.
+/// The points of a branch, or those of all curves of a scene with responses, one behind the other.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
     names: Vec<String>,
@@ -50,6 +54,21 @@ pub struct Curve {
     columns: Vec<Vec<f64>>,
     /// The events of each point.
     events: Vec<Vec<Event>>,
+    /// What the summary says of each level of responses over the frequency.
+    levels: Vec<Level>,
+    /// Whether each point is one of a response over the frequency.
+    is_over_frequency: Vec<bool>,
+}
+
+/// A level of responses over the frequency: where sweeps jump.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Level {
+    /// Number of the response, from 1, and its level.
+    pub of: (usize, f64),
+    /// Frequencies of jumps with whether the sweep goes up, Hz.
+    pub jumps: Vec<(f64, bool)>,
+    /// Whether stability was found out somewhere, without which no jumps are known.
+    pub is_known: bool,
 }
 
 impl Curve {
@@ -60,8 +79,61 @@ impl Curve {
     pub fn read(directory: &Path) -> Result<Self, CurveError> {
         let path = directory.join("branch.csv");
         let bytes = fs::read(&path).map_err(|source| CurveError::Io { path: path.clone(), source })?;
-        let grazing = grazing_energy(&directory.join("summary.json"))?;
-        Self::from_csv(&bytes, grazing).map_err(|reason| CurveError::Damaged { path, reason })
+        let summary = summary(&directory.join("summary.json"))?;
+        let grazing = summary["grazing"]["energy_j"].as_f64();
+        let mut curve = Self::from_csv(&bytes, grazing.unwrap_or(f64::NAN))
+            .map_err(|reason| CurveError::Damaged { path, reason })?;
+        if grazing.is_none() && !curve.is_of_responses() {
+            let reason = "there is no grazing energy".to_owned();
+            return Err(CurveError::Damaged { path: directory.join("summary.json"), reason });
+        }
+        curve.levels = summary["levels"].as_array().into_iter().flatten().filter_map(Level::of).collect();
+        Ok(curve)
+    }
+
+    /// Whether these are the curves of a scene with responses.
+    pub fn is_of_responses(&self) -> bool {
+        self.column("curve").is_some()
+    }
+
+    /// The levels of responses over the frequency that are selected.
+    pub fn levels(&self, selected: Selected) -> impl Iterator<Item = &Level> {
+        self.levels.iter().filter(move |level| selected.has(level.of.0, level.of.1))
+    }
+
+    /// Each curve by itself: the branch, or of responses those that are selected; `over_frequency` those over the
+    /// frequency alone.
+    pub fn parts(&self, selected: Selected, over_frequency: bool) -> Vec<Self> {
+        let (Some(curve), Some(response)) = (self.column("curve"), self.column("response")) else {
+            return vec![self.clone()];
+        };
+        let level = self.column("level");
+        let is_own = |k: usize| {
+            let level = level.map_or(f64::NAN, |level| level[k]);
+            selected.has(response[k] as usize, level) && (!over_frequency || self.is_over_frequency[k])
+        };
+        let mut parts: Vec<Self> = Vec::new();
+        let mut from = 0;
+        while from < self.len() {
+            let count = curve[from..].iter().take_while(|number| **number == curve[from]).count().max(1);
+            // Along a curve over the level each point has its own.
+            let own: Vec<usize> = (from..from + count).filter(|&k| is_own(k)).collect();
+            if let (Some(&first), Some(&last)) = (own.first(), own.last()) {
+                parts.push(self.rows(first..last + 1));
+            }
+            from += count;
+        }
+        parts
+    }
+
+    fn rows(&self, rows: Range<usize>) -> Self {
+        Self {
+            names: self.names.clone(),
+            columns: self.columns.iter().map(|column| column[rows.clone()].to_vec()).collect(),
+            events: self.events[rows.clone()].to_vec(),
+            levels: Vec::new(),
+            is_over_frequency: self.is_over_frequency[rows].to_vec(),
+        }
     }
 
     /// From the text of `branch.csv`.
@@ -72,13 +144,17 @@ impl Curve {
             names: header.iter().map(str::to_owned).collect(),
             columns: vec![Vec::new(); header.len()],
             events: Vec::new(),
+            levels: Vec::new(),
+            is_over_frequency: Vec::new(),
         };
+        let kind = header.iter().position(|name| name == KIND);
         let event = header.iter().position(|name| name == EVENT);
         for row in table.records() {
             let row = row.map_err(|error| error.to_string())?;
             for (column, cell) in curve.columns.iter_mut().zip(&row) {
                 column.push(cell.parse().unwrap_or(f64::NAN));
             }
+            curve.is_over_frequency.push(kind.and_then(|k| row.get(k)) == Some("frequency"));
             let events = event.and_then(|k| row.get(k)).unwrap_or_default();
             curve.events.push(events.split_whitespace().filter_map(Event::from_name).collect());
         }
@@ -111,10 +187,31 @@ impl Curve {
     }
 }
 
-/// Energy of the grazing point, J.
-fn grazing_energy(path: &Path) -> Result<f64, CurveError> {
+/// The summary of a run.
+fn summary(path: &Path) -> Result<Value, CurveError> {
     let bytes = fs::read(path).map_err(|source| CurveError::Io { path: path.to_path_buf(), source })?;
-    let damaged = |reason: String| CurveError::Damaged { path: path.to_path_buf(), reason };
-    let summary: Value = serde_json::from_slice(&bytes).map_err(|error| damaged(error.to_string()))?;
-    summary["grazing"]["energy_j"].as_f64().ok_or_else(|| damaged("there is no grazing energy".into()))
+    serde_json::from_slice(&bytes)
+        .map_err(|error| CurveError::Damaged { path: path.to_path_buf(), reason: error.to_string() })
 }
+
+impl Level {
+    fn of(written: &Value) -> Option<Self> {
+        let jump = |jump: &Value| Some((jump["frequency_hz"].as_f64()?, jump["direction"] == "up"));
+        Some(Self {
+            of: (written["response"].as_u64()? as usize, written["level"].as_f64()?),
+            jumps: written["jumps"].as_array()?.iter().filter_map(jump).collect(),
+            is_known: written["stable"].as_array().is_some_and(|stable| !stable.is_empty()),
+        })
+    }
+}
+
+impl Selected {
+    /// Whether a response with this number and level is meant.
+    fn has(self, response: usize, level: f64) -> bool {
+        let is_level = |own: f64| (level - own).abs() <= SAME_LEVEL * own.abs();
+        self.response.is_none_or(|own| own == response) && self.level.is_none_or(is_level)
+    }
+}
+
+/// Relative difference within which a level is the one that is meant.
+const SAME_LEVEL: f64 = 1e-9;

@@ -26,7 +26,9 @@ pub fn json(study: &Study, collected: &Collected) -> String {
         "quantities": study.quantities.iter().map(|quantity| &quantity.name).collect::<Vec<_>>(),
         "variables": study.variables.iter().map(|variable| &variable.name).collect::<Vec<_>>(),
         "drawn": collected.drawn.iter().map(branch).collect::<Vec<_>>(),
-        "band": { "x": rounded(&collected.band.energy_ratio), "y": collected.band.frequency_hz.each_ref().map(|line| rounded(line)) },
+        "band": { "x": rounded(&collected.band.x), "y": collected.band.y.each_ref().map(|line| rounded(line)) },
+        "envelope": collected.band.envelope.as_ref().map(|[least, most]| [rounded(least), rounded(most)]),
+        "of_responses": collected.drawn.iter().any(|drawn| drawn.is_response),
     });
     // A string must not contain the end of an element.
     data.to_string().replace('<', "\\u003c").replace('&', "\\u0026")
@@ -42,7 +44,7 @@ fn column(column: &Column) -> Value {
 }
 
 fn branch(drawn: &Drawn) -> Value {
-    json!({ "case": drawn.case, "x": rounded(&drawn.energy_ratio), "y": rounded(&drawn.frequency_hz) })
+    json!({ "case": drawn.case, "x": rounded(&drawn.x), "y": rounded(&drawn.y) })
 }
 
 /// Seven digits, more than any screen shows.

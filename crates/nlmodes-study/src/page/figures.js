@@ -103,7 +103,7 @@ function histogram(box) {
 }
 
 function branches(box) {
-  element(box, "h3", {}, "All branches: frequency over energy, of grazing energies");
+  element(box, "h3", {}, DATA.of_responses ? "All responses: amplitude of the first stop over frequency, with their envelope" : "All branches: frequency over energy, of grazing energies");
   const controls = element(box, "div", { class: "controls" });
   const rowOf = new Map(column("case").cells.map((name, row) => [name, row]));
   const log = { on: false };
@@ -127,18 +127,20 @@ function branches(box) {
     const x = DATA.band.x.map(place);
     DATA.band.y.forEach((line, k) => { pen.lineWidth = k === 2 ? 2.4 : 1.4; pen.setLineDash([[5, 4], [2, 3], [], [2, 3], [5, 4]][k]); plot.path(x, line); });
     pen.setLineDash([]);
-    const told = DATA.drawn.find(drawn => rowOf.get(drawn.case) === plot.told);
-    if (told) { pen.strokeStyle = plot.color("ink"); pen.lineWidth = 2.4; plot.path(told.x.map(place), told.y); }
+    if (DATA.envelope) { pen.lineWidth = 2.4; DATA.envelope.forEach(line => plot.path(x, line)); }
+    for (const told of DATA.drawn.filter(drawn => rowOf.get(drawn.case) === plot.told)) { pen.strokeStyle = plot.color("ink"); pen.lineWidth = 2.4; plot.path(told.x.map(place), told.y); }
   }, near);
   const update = () => {
     const x = DATA.drawn.flatMap(drawn => drawn.x.map(place)), y = DATA.drawn.flatMap(drawn => drawn.y);
-    const name = log.on ? "decimal logarithm of the averaged kinetic energy over that at grazing" : "averaged kinetic energy over that at grazing";
-    Object.assign(plot, { names: [name, "frequency in Hz"], x: span(x, 0.02), y: span(y) });
+    const energy = log.on ? "decimal logarithm of the averaged kinetic energy over that at grazing" : "averaged kinetic energy over that at grazing";
+    const frequency = log.on ? "decimal logarithm of the frequency in Hz" : "frequency in Hz";
+    const names = DATA.of_responses ? [frequency, "amplitude of the first stop in m"] : [energy, "frequency in Hz"];
+    Object.assign(plot, { names, x: span(x, 0.02), y: span(y) });
     plot.draw();
   };
-  choice(controls, "energy", ["linear", "logarithmic"], "linear", name => { log.on = name !== "linear"; update(); });
+  choice(controls, DATA.of_responses ? "frequency" : "energy", ["linear", "logarithmic"], "linear", name => { log.on = name !== "linear"; update(); });
   const all = column("case").cells.length;
-  const some = DATA.drawn.length < all ? `${DATA.drawn.length} of ${all} cases; ` : "";
-  element(controls, "span", { class: "quiet" }, some + "lines: 5, 25, 50, 75 and 95 %");
+  const some = !DATA.of_responses && DATA.drawn.length < all ? `${DATA.drawn.length} of ${all} cases; ` : "";
+  element(controls, "span", { class: "quiet" }, some + "lines: 5, 25, 50, 75 and 95 %" + (DATA.of_responses ? " of the largest amplitude of each case; full lines: its smallest and largest of all cases" : ""));
   update();
 }

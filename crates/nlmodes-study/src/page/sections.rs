@@ -60,7 +60,7 @@ fn of_one(statistics: &Statistics) -> String {
 }
 
 fn sensitivity(statistics: &Statistics) -> String {
-    let mut text = String::new();
+    let mut text = statistics.independence().map_or_else(String::new, |said| format!("<p>{}</p>\n", escape(&said)));
     if !statistics.rank_correlations.is_empty() {
         text += "<table><thead><tr><th>variable</th><th>rank correlation</th><th>95 % interval</th></tr></thead>";
         for found in &statistics.rank_correlations {

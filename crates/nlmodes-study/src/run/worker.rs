@@ -11,6 +11,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use nlmodes::branches::Watch;
+use nlmodes_run::responses::{ComputedResponse, ResponsesOutcome};
 use nlmodes_run::{Event, Observer, Over, RunError, RunOutcome, chain, run_sharing};
 use nlmodes_scene::assemble::Structures;
 use nlmodes_scene::{SceneFile, memory};
@@ -91,6 +92,11 @@ impl Worker<'_> {
         memory::admit(&mut files, Some(self.settings.limit()))?;
         let scenes = || files.to_vec();
         let mut looker = Looker { ended: Arc::clone(self.ended) };
+        if let [file] = &files
+            && !file.scene.responses.is_empty()
+        {
+            return self.run_responses(file, &mut looker);
+        }
         let mut run = |over| run_sharing(scenes(), over, &mut looker, self.structures);
         let outcome = match run(Over::Resumed) {
             // The existing results cannot be continued: the case is computed from the beginning.
@@ -101,6 +107,21 @@ impl Worker<'_> {
             Err(RunError::Ended) => Ok(None),
             _ if self.ended.load(Ordering::Relaxed) && outcome.as_ref().is_ok_and(was_stopped) => Ok(None),
             outcome => Ok(Some(judged(outcome?)?)),
+        }
+    }
+
+    /// The same of a scene with responses.
+    fn run_responses(&self, file: &SceneFile, looker: &mut Looker) -> Result<Option<(Status, String)>, RunError> {
+        let mut run = |over| nlmodes_run::responses::run(file, over, looker);
+        let outcome = match run(Over::Resumed) {
+            Err(RunError::Foreign { .. }) => run(Over::Anything),
+            outcome => outcome,
+        };
+        match outcome {
+            Err(RunError::Ended) => Ok(None),
+            Err(error) => Err(error),
+            Ok(outcome) if self.ended.load(Ordering::Relaxed) && outcome.is_cut_off => Ok(None),
+            Ok(outcome) => Ok(Some(judged_responses(outcome)?)),
         }
     }
 
@@ -146,6 +167,27 @@ fn judged(outcome: RunOutcome) -> Result<(Status, String), RunError> {
     }
     reasons.dedup();
     let status = if is_complete { Status::Complete } else { Status::Incomplete };
+    Ok((status, reasons.join("; ")))
+}
+
+/// Whether the curves of a scene with responses are complete, and why they ended; failed where there is none at all.
+fn judged_responses(outcome: ResponsesOutcome) -> Result<(Status, String), RunError> {
+    if let Some(failure) = outcome.failure {
+        return Err(RunError::Files(failure));
+    }
+    let reason = |computed: &ComputedResponse| {
+        let end = &computed.branch.end;
+        let why = if end.complete { end.names() } else { end.message.clone() };
+        format!("{}: {why}", computed.branch.label)
+    };
+    let mut reasons: Vec<String> = outcome.curves.iter().map(reason).collect();
+    reasons.dedup();
+    let has_points = outcome.curves.iter().any(|computed| !computed.branch.points.is_empty());
+    let status = match outcome.curves.iter().all(ComputedResponse::is_complete) {
+        true => Status::Complete,
+        false if has_points => Status::Incomplete,
+        false => Status::Failed,
+    };
     Ok((status, reasons.join("; ")))
 }
 

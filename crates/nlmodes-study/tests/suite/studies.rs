@@ -226,7 +226,10 @@ fn a_study_of_no_sound_case_says_so() {
     let place = tempfile::tempdir().unwrap();
     let text = "scene = \"rod.toml\"\n[[vary]]\nkey = \"contact.0.at_m\"\nvalues = [1.2, 1.3]\n";
     let error = run(&study(text, place.path()), &with_jobs(1), &mut Silent).unwrap_err();
-    assert!(matches!(error, StudyError::NoCase { cases: 2, .. }) && error.to_string().contains("beyond the structure"), "{error}");
+    assert!(
+        matches!(error, StudyError::NoCase { cases: 2, .. }) && error.to_string().contains("beyond the structure"),
+        "{error}"
+    );
     assert_eq!(fs::read_dir(place.path()).unwrap().count(), 0);
 }
 

@@ -1,0 +1,100 @@
+//! What the parameters of a scene do at the points of a curve that matter, as tornado figures and a table.
+
+use nlmodes::modal::{Event, Gradient, GradientOf, ModalBranch, ModalPoint};
+use nlmodes::report::{DataTable, Figure, TornadoFigure, hertz};
+use nlmodes_scene::short;
+
+/// A point, what is shown of it, and what it is called.
+struct Pick<'a> {
+    point: &'a ModalPoint,
+    what: GradientOf,
+    name: String,
+}
+
+/// Folds that are shown.
+const FOLDS: usize = 2;
+
+/// Of a response over the frequency its largest amplitude, with the contact force there, and the frequencies of its
+/// first folds; of a response over the level those levels; of any other curve the frequency and the contact force of
+/// its last point.
+fn picks(branch: &ModalBranch) -> Vec<Pick<'_>> {
+    let points = || branch.points.iter().filter(|point| !point.gradients.is_empty());
+    let is_known = |what| points().any(|point| point.gradients.iter().any(|own| own.of(what).is_some()));
+    let is_free = |point: &ModalPoint| point.driven.is_none_or(|driven| driven.level.is_none());
+    let folds = |what, word: &str| {
+        let found = points().filter(|point| point.events.contains(&Event::Fold)).take(FOLDS);
+        let name = |point: &ModalPoint| format!("{word} of the fold at {:.4} Hz", hertz(point.listed_omega()));
+        found.map(|point| Pick { point, what, name: name(point) }).collect::<Vec<_>>()
+    };
+    let Some(last) = points().next_back() else { return Vec::new() };
+    if is_known(GradientOf::Level) {
+        return folds(GradientOf::Level, "level");
+    }
+    let largest = points().max_by(|a, b| a.fundamental.abs().total_cmp(&b.fundamental.abs())).unwrap_or(last);
+    let over_frequency = !is_free(last) && same_level(branch);
+    let (point, first, at) = match over_frequency {
+        true => (largest, GradientOf::Amplitude, format!("at the peak, {:.4} Hz", hertz(largest.listed_omega()))),
+        false => (last, GradientOf::Frequency, "at the last point".to_owned()),
+    };
+    let of_point =
+        [first, GradientOf::PeakForce].map(|what| Pick { point, what, name: format!("{} {at}", what.words()) });
+    let folds = if over_frequency { folds(GradientOf::Frequency, "frequency") } else { Vec::new() };
+    of_point.into_iter().chain(folds).collect()
+}
+
+/// Whether all points have one level of the load.
+fn same_level(branch: &ModalBranch) -> bool {
+    let mut levels = branch.points.iter().filter_map(|point| point.driven?.level);
+    let first = levels.next();
+    levels.all(|level| Some(level) == first)
+}
+
+/// What is differentiated, at a point.
+fn value(point: &ModalPoint, what: GradientOf) -> f64 {
+    match what {
+        GradientOf::Frequency => hertz(point.listed_omega()),
+        GradientOf::Amplitude => point.fundamental.abs(),
+        GradientOf::Peak => point.peak,
+        GradientOf::PeakForce => point.peak_contact_force,
+        GradientOf::Impulse => point.impulse().unwrap_or(f64::NAN),
+        GradientOf::Level => point.driven.and_then(|driven| driven.level).unwrap_or(f64::NAN),
+        GradientOf::DampingRatio => point.driven.and_then(|driven| driven.damping_ratio).unwrap_or(f64::NAN),
+    }
+}
+
+/// Change of the quantity by one per cent of the parameter, %.
+fn effect(pick: &Pick<'_>, gradient: &Gradient) -> f64 {
+    gradient.of(pick.what).map_or(f64::NAN, |slope| slope * gradient.value / value(pick.point, pick.what))
+}
+
+/// The figures, each with its title; none without parameters.
+pub fn figures(branch: &ModalBranch) -> Vec<(String, Figure)> {
+    let figure = |pick: Pick<'_>| {
+        let bars = pick.point.gradients.iter().map(|own| (own.parameter.to_string(), effect(&pick, own)));
+        let axis = format!("change of the {} in % for 1 % of the parameter", pick.what.words());
+        let title = format!("Effect on the {}", pick.name);
+        Some((title.clone(), TornadoFigure::new(axis, bars).title(title).render().ok()?))
+    };
+    picks(branch).into_iter().filter_map(figure).collect()
+}
+
+/// The table of these points; none without parameters.
+pub fn table(branch: &ModalBranch) -> Option<DataTable> {
+    let head = ["quantity", "its value", "parameter", "its value", "derivative", "% for 1 %"];
+    let mut table = DataTable::new("Gradients by the parameters of the scene, in SI units per unit of the key", &head);
+    for pick in picks(branch) {
+        for gradient in &pick.point.gradients {
+            table.rows.push(vec![
+                pick.name.clone(),
+                short(value(pick.point, pick.what)),
+                gradient.parameter.to_string(),
+                short(gradient.value),
+                gradient.of(pick.what).map_or_else(|| "–".to_owned(), |slope| format!("{slope:.5e}")),
+                Some(effect(&pick, gradient))
+                    .filter(|e| e.is_finite())
+                    .map_or_else(|| "–".to_owned(), |e| format!("{e:.4}")),
+            ]);
+        }
+    }
+    (!table.rows.is_empty()).then_some(table)
+}

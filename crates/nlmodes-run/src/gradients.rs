@@ -1,0 +1,110 @@
+//! Derivatives of the points of curves by the parameters of a scene, `[[sensitivity]]`.
+
+use std::f64::consts::TAU;
+
+use nlmodes::branches::{ComputedBranch, Watch};
+use nlmodes::hbm::MotionChange;
+use nlmodes::linalg::triplets;
+use nlmodes::modal::Gradient;
+use nlmodes::response::{Damping, Gradients, ParameterState, ResponseModel, ResponseSettings, Weights, mode_gradients};
+use nlmodes_reduction::OpenModes;
+use nlmodes_scene::assemble::{Assembly, OpenStructure, Structures};
+use nlmodes_scene::scene::{Reduction, Scene, SceneState, Sensitivity};
+
+use crate::Failure;
+use crate::settings::branch_settings;
+
+/// The derivatives of a point from those of its motion, of which `subharmonic` periods of the load are one; `moved` is
+/// that of what static loads move the first contact toward its stop.
+pub fn gradient(sensitivity: &Sensitivity, found: &MotionChange, subharmonic: usize, moved: f64) -> Gradient {
+    let known = |value: f64| Some(value).filter(|value| value.is_finite());
+    Gradient {
+        parameter: sensitivity.key.as_str().into(),
+        value: sensitivity.value,
+        by: [
+            known(found.omega * subharmonic as f64 / TAU),
+            known(found.amplitude),
+            known(found.peak + moved),
+            known(found.peak_force),
+            known(found.impulse),
+            known(found.level),
+            known(found.damping_ratio),
+        ],
+    }
+}
+
+/// The same scene with so many free-interface modes, whatever its harmonics.
+pub fn with_modes(scene: &Scene, modes: usize) -> Scene {
+    let reduction = Reduction { modes: Some(modes), up_to_hz: None, ..scene.reduction.unwrap_or_default() };
+    Scene { reduction: Some(reduction), ..scene.clone() }
+}
+
+/// Differentiates the points of conservative modes, whose coefficients begin with modal coordinates; how many of them
+/// have no derivatives, since they are not found again at their energy.
+///
+/// # Errors
+/// If the structure at another value of a parameter cannot be made.
+pub fn of_branches(
+    scene: &Scene,
+    open: Option<&OpenStructure>,
+    (structures, watch): (&Structures, Watch),
+    branches: &mut [ComputedBranch],
+) -> Result<usize, Failure> {
+    let (Some(open), false) = (open, scene.sensitivities.is_empty()) else { return Ok(0) };
+    let own = branch_settings(scene);
+    let settings = ResponseSettings {
+        harmonics: own.harmonics,
+        switching: own.switching,
+        contact_solver: own.contact_solver,
+        mode: own.mode,
+        watch,
+        ..ResponseSettings::new([1.0, 2.0])
+    };
+    let base = model(&open.modes)?;
+    let (mut changes, mut moved) = (Vec::new(), Vec::new());
+    for sensitivity in &scene.sensitivities {
+        let state = |SceneState { scene, weight }: &SceneState| -> Result<(ParameterState, f64), Failure> {
+            let other = Assembly::sharing(&with_modes(scene, open.modes.n_modes()), structures)?;
+            let other = other.open.ok_or("gradients are of free-interface modes")?;
+            let toward = other.state.as_ref().map_or(0.0, |state| state.toward(0));
+            let (model, watched) = (model(&other.modes)?, Some(toward_first(&other.modes)));
+            Ok((ParameterState { model, level: 0.0, watched, weight: *weight }, weight * toward))
+        };
+        let states = sensitivity.states.iter().map(state).collect::<Result<Vec<_>, _>>()?;
+        moved.push(states.iter().map(|(_, moved)| moved).sum::<f64>());
+        let states: Vec<ParameterState> = states.into_iter().map(|(state, _)| state).collect();
+        changes.push(base.change(&states, &settings)?);
+    }
+    let watched = base.watched(&toward_first(&open.modes), &settings)?;
+    let settings = settings.with_gradients(Gradients { watched, changes });
+    let mut without = 0;
+    for computed in branches {
+        let all = mode_gradients(&base, &settings, own.symmetry, &computed.branch.points)?;
+        for (point, found) in computed.branch.points.iter_mut().zip(all) {
+            let Some(found) = found else {
+                without += 1;
+                continue;
+            };
+            let each = scene.sensitivities.iter().zip(&found).zip(&moved);
+            // What unfolds the phase of a conservative motion is no damping.
+            let conservative = |found: &MotionChange| {
+                let mut found = *found;
+                found.damping_ratio = f64::NAN;
+                found
+            };
+            let each = each.map(|((one, found), moved)| gradient(one, &conservative(found), 1, *moved));
+            point.gradients = each.collect();
+        }
+    }
+    Ok(without)
+}
+
+fn model(modes: &OpenModes) -> Result<ResponseModel, Failure> {
+    Ok(ResponseModel::new(modes.clone(), &Damping::Ratios(Vec::new()))?)
+}
+
+/// Displacement of the first contact toward its stop.
+fn toward_first(modes: &OpenModes) -> Weights {
+    let of_first = triplets(modes.directions()).filter(|(_, contact, _)| *contact == 0);
+    of_first.map(|(dof, _, w)| (dof, -w)).collect()
+}

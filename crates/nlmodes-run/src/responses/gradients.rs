@@ -1,0 +1,44 @@
+//! The parameters by which the points of a response are differentiated.
+
+use nlmodes::response::{Gradients, ParameterState, ResponseError, ResponseModel, ResponseSettings, Weights};
+use nlmodes_scene::scene::{ResponseKind, Scene};
+
+use super::model::{Model, Parameter};
+
+/// What the parameters of the scene do to the structure and the load of a response, at one of its levels where curves
+/// are at levels.
+///
+/// # Errors
+/// [`ResponseError`] where the modes at another value of a parameter are others.
+pub fn gradients(
+    model: &Model,
+    scene: &Scene,
+    (response, level): (usize, Option<f64>),
+    settings: &ResponseSettings,
+    system: &ResponseModel,
+) -> Result<Gradients, ResponseError> {
+    if model.parameters.is_empty() {
+        return Ok(Gradients::default());
+    }
+    // Along other curves the level is no value of the scene.
+    let of_levels =
+        |scene: &Scene| scene.responses.get(response).filter(|r| r.kind == ResponseKind::Frequency).cloned();
+    let number = of_levels(scene).zip(level).and_then(|(own, level)| own.levels.iter().position(|l| *l == level));
+    let level_of = |scene: &Scene| number.and_then(|k| of_levels(scene)?.levels.get(k).copied()).unwrap_or(0.0);
+    let change = |parameter: &Parameter| {
+        let state = |(model, scene, weight): &(Model, Scene, f64)| {
+            let (model, watched) = (model.with_drive(response)?, first(model));
+            Ok(ParameterState { model, level: level_of(scene), watched, weight: *weight })
+        };
+        let states = parameter.states.iter().map(state).collect::<Result<Vec<_>, ResponseError>>()?;
+        system.change(&states, settings)
+    };
+    let changes = model.parameters.iter().map(change).collect::<Result<_, _>>()?;
+    let watched = first(model).map(|weights| system.watched(&weights, settings)).transpose()?.flatten();
+    Ok(Gradients { watched, changes })
+}
+
+/// Displacement of the first contact toward its stop or, without one, of the first spring.
+fn first(model: &Model) -> Option<Weights> {
+    model.contacts.iter().chain(&model.springs).next().cloned()
+}

@@ -1,0 +1,119 @@
+//! Parameters by which curves are differentiated: which there can be.
+
+use crate::raw::{RawAnalysis, RawSensitivity};
+use crate::scene::{Scene, Sensitivity};
+use crate::{Diagnostic, Diagnostics, Document};
+
+/// Tables that enter the structure or its load.
+const TABLES: [&str; 8] =
+    ["structure", "contact", "damping", "force", "base_motion", "gravity", "static_force", "thermal"];
+
+/// The parameters that are sound; their values and states come when the scene is there.
+pub fn check(raw: &RawAnalysis, diagnostics: &mut Diagnostics<'_>) -> Vec<Sensitivity> {
+    let written = raw.sensitivity.iter().flatten().enumerate();
+    written.filter_map(|(k, raw)| parameter(k, raw, diagnostics)).collect()
+}
+
+fn parameter(k: usize, raw: &RawSensitivity, diagnostics: &mut Diagnostics<'_>) -> Option<Sensitivity> {
+    let (key, path) = (raw.key.as_str(), format!("sensitivity.{k}.key"));
+    let table = key.split('.').next().unwrap_or_default();
+    let is_level = key.starts_with("response.") && key.contains(".levels_");
+    if !(TABLES.contains(&table) || is_level || key.starts_with("response.levels_")) {
+        let diagnostic = Diagnostic::error(format!("`{key}` is no parameter of the structure or its load"));
+        let help = format!("parameters are numbers of {}", TABLES.map(|name| format!("[{name}]")).join(", "));
+        diagnostics.put(&path, diagnostic.help(help), "expected a key such as \"contact.0.gap_m\"");
+        return None;
+    }
+    let document = diagnostics.document();
+    let there = written_path(key, diagnostics);
+    let Some(there) = there else {
+        let diagnostic = Diagnostic::error(format!("the scene does not write `{key}`"));
+        let help = "a gradient is about a value that stands in the scene; a default is one when it is written";
+        diagnostics.put(&path, diagnostic.help(help), "expected the key of a number of this scene");
+        return None;
+    };
+    let number = document.written(&there).replace('_', "");
+    let Ok(written) = number.trim().parse::<f64>() else {
+        let diagnostic = Diagnostic::error(format!("`{key}` is {number}, no single number"));
+        diagnostics.put(&path, diagnostic, "expected the key of a number; items of lists go by number, from 0");
+        return None;
+    };
+    // What is written in another unit stands at another key.
+    let value = if there == key { written } else { diagnostics.spelled_document().in_schema_unit(key, written) };
+    if value == 0.0 || !value.is_finite() {
+        let diagnostic = Diagnostic::error(format!("`{key}` is {number}: its size says how far a difference goes"));
+        let help = "for a gap that touches at rest, take the gradient at a small one";
+        diagnostics.put(&path, diagnostic.help(help), "expected a parameter that is not zero");
+        return None;
+    }
+    Some(Sensitivity { key: key.to_owned(), value, states: Vec::new() })
+}
+
+/// The path at which the value of a key stands: with another unit, and that of the only response is a list too.
+fn written_path(key: &str, diagnostics: &Diagnostics<'_>) -> Option<String> {
+    let listed = key.strip_prefix("response.").map(|rest| format!("response.0.{rest}"));
+    let names = std::iter::once(key.to_owned()).chain(listed);
+    let mut spelled = names.flat_map(|name| [diagnostics.as_written(&name), name]);
+    spelled.find(|path| diagnostics.document().place(path).is_some())
+}
+
+/// Refuses what has no gradients: scenes that are not in free-interface modes, laws of force, exact motions.
+pub fn refuse(scene: &Scene, diagnostics: &mut Diagnostics<'_>) {
+    if scene.sensitivities.is_empty() {
+        return;
+    }
+    let refused = |title: &str, help: &str, label: &str, diagnostics: &mut Diagnostics<'_>| {
+        diagnostics.put("sensitivity.0", Diagnostic::error(title).help(help), label);
+    };
+    if !scene.is_in_open_modes() {
+        let title = "gradients are computed in free-interface modes alone";
+        let help = "without `method.mass_redistribution` and `method.held_modes`, or with [reduction] kind = \
+            \"free-interface\", the structure is reduced by them and keeps all its mass";
+        refused(title, help, "expected a scene without a rule for the mass of its contacts", diagnostics);
+    } else if scene.method.kind == crate::scene::MethodKind::Shooting {
+        let title = "gradients are computed of motions in harmonics, not by shooting";
+        refused(title, "method.kind = \"ms-hbm\" computes the same mode", "expected another method", diagnostics);
+    } else if !scene.springs.is_empty() {
+        let title = "gradients are not computed beside springs and dampers with a law of force";
+        refused(title, "[[structure.spring]] are linear", "expected a scene without [[spring]]", diagnostics);
+    } else if scene.updating.is_some() {
+        let title = "gradients are not computed of parameters that are fitted first";
+        refused(
+            title,
+            "write the fitted values, which summary.json has",
+            "expected a scene without [updating]",
+            diagnostics,
+        );
+    }
+}
+
+/// Names of positions along a structure that move with its length, by their beginning.
+const POSITIONS: [&str; 3] = ["at_", "to_", "drive_"];
+
+/// The overrides of a scene with the parameter `sensitivity` times `factor`: its key, and where that is the length of
+/// the structure every position along it, so that all keep their nodes.
+pub fn overrides(sensitivity: &Sensitivity, factor: f64, document: &Document) -> Vec<String> {
+    let Sensitivity { key, value, .. } = sensitivity;
+    let own = format!("{key}={:?}", value * factor);
+    if !key.starts_with("structure.length_") {
+        return vec![own];
+    }
+    let is_position = |path: &&str| {
+        let name = path.rsplit('.').next().unwrap_or_default();
+        POSITIONS.iter().any(|begin| name.starts_with(begin))
+            && name.split('_').nth(1).is_some_and(|u| u.ends_with('m'))
+    };
+    let moved = document.keys().filter(is_position).filter_map(|path| {
+        let at = document.written(path).replace('_', "").trim().parse::<f64>().ok()?;
+        Some(format!("{path}={:?}", at * factor))
+    });
+    std::iter::once(own).chain(moved).collect()
+}
+
+/// Values beside that of the parameter, as multiples of the step, with their weights over twelve steps: the difference
+/// quotient of fourth order.
+pub const QUOTIENT: [(f64, f64); 4] = [(1.0, 8.0), (-1.0, -8.0), (2.0, -1.0), (-2.0, 1.0)];
+
+/// Step over the value of the parameter: the fourth power is what the quotient leaves, its inverse how it enlarges
+/// rounding.
+pub const STEP: f64 = 1.0 / 1024.0;

@@ -1,0 +1,41 @@
+//! A scene at other values of the parameters by which its curves are differentiated.
+
+use super::{Read, one_state};
+use crate::check::sensitivity::{QUOTIENT, STEP, overrides};
+use crate::scene::SceneState;
+use crate::text::Text;
+use crate::{Diagnostic, SceneError, SceneFile};
+
+/// Reads the scene at other values of each of its parameters.
+///
+/// # Errors
+/// [`SceneError`] at the parameter with which the scene is none.
+pub fn add_states(text: &Text<'_>, given: &[String], method: usize, file: &mut SceneFile) -> Result<(), SceneError> {
+    let mut sensitivities = file.scene.sensitivities.clone();
+    for (number, sensitivity) in sensitivities.iter_mut().enumerate() {
+        for (times, weight) in QUOTIENT {
+            let step = STEP * times;
+            let more = overrides(sensitivity, 1.0 + step, &file.document);
+            let all: Vec<String> = given.iter().cloned().chain(more).collect();
+            let read = one_state(Read::new(text, &all, method));
+            let mut scene = read.map_err(|error| refused(file, number, &error))?.scene;
+            scene.sensitivities.clear();
+            let weight = weight / (12.0 * STEP * sensitivity.value);
+            sensitivity.states.push(SceneState { scene, weight });
+        }
+    }
+    file.scene.sensitivities = sensitivities;
+    Ok(())
+}
+
+/// Why a scene is none with a parameter a little beside its value.
+fn refused(file: &SceneFile, number: usize, error: &SceneError) -> SceneError {
+    let key = &file.scene.sensitivities[number].key;
+    let why: Vec<String> = error.diagnostics().iter().map(Diagnostic::sentence).collect();
+    let title = format!("a thousandth beside its value, `{key}` makes the scene another one: {}", why.join("; "));
+    let help = match key.rsplit('.').next().is_some_and(|name| name.starts_with("at_")) {
+        true => "stops stand at nodes, so that gradients by their positions are not computed; compare two runs",
+        false => "gradients need the scene on both sides of the value",
+    };
+    file.error_at(&format!("sensitivity.{number}.key"), &title, "expected a parameter that may vary", &[help])
+}
