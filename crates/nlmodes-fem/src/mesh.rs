@@ -81,7 +81,7 @@ impl Mesh {
 
     /// The same mesh with nodes at these positions as well, m: the nearest node is moved there or, where that is an end
     /// or at another of the positions, one is put there. A position where there is a node, to `tolerance` of the
-    /// shorter element beside it, keeps that. No node comes nearer than [`NEAREST`] of the shorter element to one that
+    /// shorter element beside it, keeps that. No node comes nearer than a hundredth of the shorter element to one that
     /// stays, and none beyond the ends: such positions are left out.
     ///
     /// ```
