@@ -128,7 +128,8 @@ Example:
 
 Exit status 1 where the motion cannot be integrated, 2 where the directory holds no such point.")]
     Verify(verify::Arguments),
-    /// Say what the motion of a forced response becomes once it is disturbed: periodic, two lines, irregular, or another
+    /// Say what the motion of a forced response becomes once it is disturbed: periodic, two lines, irregular, or
+    /// another
     #[command(after_help = "\
 Example:
   nlmodes-cli run configs/beam_responses.toml

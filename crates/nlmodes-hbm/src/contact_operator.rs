@@ -189,8 +189,8 @@ impl ContactOperator {
         forces
     }
 
-    /// How the forces (N, c × width) change with the compliance by `change` (c × c) where the gaps stay: while a set `S`
-    /// is closed `dλ = S dA λ`, eq. (13) differentiated; the instants add nothing, since λ is continuous.
+    /// How the forces (N, c × width) change with the compliance by `change` (c × c) where the gaps stay: while a set
+    /// `S` is closed `dλ = S dA λ`, eq. (13) differentiated; the instants add nothing, since λ is continuous.
     pub(crate) fn forces_by_compliance(&self, change: &Mat<f64>, y: &[f64]) -> Vec<f64> {
         let width = self.series.width();
         let mut forces = vec![0.0; y.len()];

@@ -143,8 +143,8 @@ impl ReducedStructure {
         open.displacements(dofs, &eta, &self.contact_forces(x))
     }
 
-    /// The contact forces `λ` of coordinates `x = (η, u)`, column by column, with `u + Y η = −A f`; of contacts with the
-    /// same direction the first one carries the force of all.
+    /// The contact forces `λ` of coordinates `x = (η, u)`, column by column, with `u + Y η = −A f`; of contacts with
+    /// the same direction the first one carries the force of all.
     ///
     /// # Panics
     /// If `x` has another size.

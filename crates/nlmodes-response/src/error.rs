@@ -85,7 +85,8 @@ pub enum ResponseError {
     },
     /// With a parameter the retained modes become others.
     #[error(
-        "within the step of the gradient the retained modes become others (they have {share:.2} in common); expected          another `reduction.modes`, one that ends between two frequencies that stay apart"
+        "within the step of the gradient the retained modes become others (they have {share:.2} in common); expected \
+         another `reduction.modes`, one that ends between two frequencies that stay apart"
     )]
     OtherModes {
         /// Least cosine between the spaces of both.

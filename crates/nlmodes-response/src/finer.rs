@@ -17,8 +17,8 @@ pub struct FinerPoint {
     /// Number of the point in its curve.
     pub point: usize,
     /// The motion with more harmonics, at the same energy or level; of curves over the frequency on the line across the
-    /// curve, where folds and peaks move in frequency as in amplitude. `None` where Newton's method finds none, or where
-    /// it does not lead back from there to the point.
+    /// curve, where folds and peaks move in frequency as in amplitude. `None` where Newton's method finds none, or
+    /// where it does not lead back from there to the point.
     pub found: Option<Box<ResponsePoint>>,
 }
 

@@ -285,7 +285,8 @@ impl ResponseModel {
     /// hardly matter yet, or at the energy that was set.
     ///
     /// # Errors
-    /// As [`modal_grazing`], [`modal_lift_off`] and [`modal_start`], or what the reduction reports of the structure at rest.
+    /// As [`modal_grazing`], [`modal_lift_off`] and [`modal_start`], or what the reduction reports of the structure at
+    /// rest.
     pub fn linear_start(&self, mode: usize) -> Result<ModalGrazing, ResponseError> {
         if !self.laws.is_empty() {
             return Ok(modal_start(&self.structure, mode, self.mode_start)?);

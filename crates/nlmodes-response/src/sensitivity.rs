@@ -58,8 +58,8 @@ impl ResponseModel {
     /// Derivative of this structure and its load by a parameter, from states at several values of it.
     ///
     /// # Errors
-    /// [`ResponseError::OtherModes`], [`ResponseError::ModesOfGradient`] or [`ResponseError::MeshOfGradient`] where the retained modes are not those of
-    /// this structure, [`ResponseError::Problem`] beside laws of force.
+    /// [`ResponseError::OtherModes`], [`ResponseError::ModesOfGradient`] or [`ResponseError::MeshOfGradient`] where
+    /// the retained modes are not those of this structure, [`ResponseError::Problem`] beside laws of force.
     pub fn change(
         &self,
         states: &[ParameterState],

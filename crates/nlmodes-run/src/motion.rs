@@ -49,7 +49,8 @@ pub fn state_of(motion: &Motion, model: &Model) -> Result<Vec<f64>, String> {
     let (n, open) = (motion.coefficients.n_coordinates(), model.open_modes());
     if n != open.n_dofs() || model.recorded.len() != n {
         return Err(format!(
-            "harmonics.npz has the motion of {n} of {} degrees of freedom: the state in the modes is not known from these",
+            "harmonics.npz has the motion of {n} of {} degrees of freedom: the state in the modes is not \
+             known from these",
             open.n_dofs()
         ));
     }

@@ -46,7 +46,8 @@ pub struct Settled {
     pub disturbance: f64,
     /// Periods of the load that were integrated.
     pub integrated_periods: usize,
-    /// Distance of the first state of the point to the exact motion next to it, over its size: what harmonics leave out.
+    /// Distance of the first state of the point to the exact motion next to it, over its size: what harmonics leave
+    /// out.
     pub distance_to_exact: f64,
     /// Largest multiplier of that exact motion: real part, imaginary part.
     pub multiplier: [f64; 2],

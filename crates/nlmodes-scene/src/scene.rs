@@ -227,8 +227,8 @@ impl Structure {
         }
     }
 
-    /// The same with each element halved, with its parts at the same places; none where they stand at nodes beside which
-    /// the mesh is refined.
+    /// The same with each element halved, with its parts at the same places; none where they stand at nodes beside
+    /// which the mesh is refined.
     pub fn with_twice_the_elements(&self) -> Option<Self> {
         let mut finer = Self { elements: 2 * self.elements, ..self.clone() };
         let has_places = !(self.segments.is_empty() && self.mass_points.is_empty() && self.springs.is_empty());

@@ -80,8 +80,8 @@ fn prepared() -> Result<TempDir, Box<dyn Error>> {
     Ok(folder)
 }
 
-/// A published benchmark, a cantilever with a cubic spring of 6e9 N/m³ at its tip: linear frequency 23.66147831 Hz; with
-/// five harmonics 23.99502170 Hz at the modal amplitude 1e-4.
+/// A published benchmark, a cantilever with a cubic spring of 6e9 N/m³ at its tip: linear frequency 23.66147831 Hz;
+/// with five harmonics 23.99502170 Hz at the modal amplitude 1e-4.
 #[test]
 fn a_cantilever_with_a_cubic_spring_has_the_published_frequency() -> Outcome {
     let folder = prepared()?;

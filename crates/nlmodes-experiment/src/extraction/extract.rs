@@ -266,7 +266,8 @@ impl Analysis<'_> {
         (harmonics, power, limit.min(MAX_HARMONICS).max(harmonics).max(power))
     }
 
-    /// The last periods of a long record, from which the contact is evaluated sample by sample; `None` of a shorter one.
+    /// The last periods of a long record, from which the contact is evaluated sample by sample; `None` of a shorter
+    /// one.
     fn recent(&self, window: &Window, fitted: usize) -> Result<Option<(Window, HarmonicFit, Blocks)>, ExtractionError> {
         if self.layout.contact.is_none() || window.n_samples <= CONTACT_SAMPLES {
             return Ok(None);

@@ -119,8 +119,8 @@ impl HarmonicFit {
         }
     }
 
-    /// What the harmonics of each signal leave: squared, of all samples, and `Σ_j x_j e^{inψ_j}` of what is left in each
-    /// of the `blocks` of samples.
+    /// What the harmonics of each signal leave: squared, of all samples, and `Σ_j x_j e^{inψ_j}` of what is left in
+    /// each of the `blocks` of samples.
     pub(crate) fn rests(
         &self,
         signals: &[&[f64]],

@@ -129,8 +129,8 @@ fn kernel(distance: f64) -> f64 {
     if z.abs() >= 1.0 { 0.0 } else { (DECAY * ((1.0 - z * z).sqrt() - 1.0)).exp() }
 }
 
-/// Its Fourier integral at an angle a point: `∫ φ(t) cos(angle t) dt`, by the midpoint rule after `t = sin`, so that the
-/// ends do not count.
+/// Its Fourier integral at an angle a point: `∫ φ(t) cos(angle t) dt`, by the midpoint rule after `t = sin`, so that
+/// the ends do not count.
 fn transform(angle: f64) -> f64 {
     let step = std::f64::consts::PI / NODES as f64;
     let term = |k: usize| {

@@ -22,7 +22,8 @@ pub enum RecordError {
     Stream(#[from] io::Error),
     /// No reader for files of this kind.
     #[error(
-        "files with the ending \"{extension}\" are not records; known are .csv, .uff, .unv, .wav, .npy, .tdms, .mat and .h5"
+        "files with the ending \"{extension}\" are not records; known are .csv, .uff, .unv, .wav, .npy, .tdms, \
+         .mat and .h5"
     )]
     Extension {
         /// Ending of the name.

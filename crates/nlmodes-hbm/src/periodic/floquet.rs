@@ -17,10 +17,11 @@ use crate::{ContactOperator, HbmError, RealSeries, Symmetry};
 /// z̈ + Ĉ ż + (diag ω_k² − Yᵀ S_j Y) z = 0    while set j is closed, S_j = dλ/dy ;    M = Π_j e^{A_j Δt_j} ,   Π μ = e^{−tr Ĉ T}
 /// ```
 ///
-/// Laws beside the stops add `−Rᵀ (k r + c ṙ)` with their slopes at each instant, for which the intervals are divided and
-/// the exponents are those of the fourth-order Magnus expansion at two points each. Contact forces start from zero, so that nothing jumps at an instant. The instants are those of the motion with three
-/// times the harmonics, whose additional ones follow from the contact forces; what each multiplier changes against
-/// those of the solution itself makes the error band, also where another one may be the largest.
+/// Laws beside the stops add `−Rᵀ (k r + c ṙ)` with their slopes at each instant, for which the intervals are divided
+/// and the exponents are those of the fourth-order Magnus expansion at two points each. Contact forces start from
+/// zero, so that nothing jumps at an instant. The instants are those of the motion with three times the harmonics,
+/// whose additional ones follow from the contact forces; what each multiplier changes against those of the solution
+/// itself makes the error band, also where another one may be the largest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Floquet {
     /// The 2m multipliers, by falling magnitude.
@@ -110,8 +111,8 @@ impl PeriodicSystem {
         x[first..self.n_coefficients()].iter().map(|x| x * unit).collect()
     }
 
-    /// Gaps and displacements of laws with more harmonics, by the forces of those that there are: `y_n = Y D_n⁻¹ Yᵀ λ_n`
-    /// beyond `N_h`, uncoupled damping.
+    /// Gaps and displacements of laws with more harmonics, by the forces of those that there are:
+    /// `y_n = Y D_n⁻¹ Yᵀ λ_n` beyond `N_h`, uncoupled damping.
     fn finer_gaps(
         &self,
         finer: &mut ContactOperator,

@@ -74,7 +74,8 @@ impl PeriodicSystem {
         motion
     }
 
-    /// Keeps what lies below the last digits of a refined solution, until [`keep_nothing_below`](Self::keep_nothing_below).
+    /// Keeps what lies below the last digits of a refined solution, until
+    /// [`keep_nothing_below`](Self::keep_nothing_below).
     pub(super) fn keep_below(&mut self, at: &Refined) {
         self.rest.clone_from(&at.rest);
     }

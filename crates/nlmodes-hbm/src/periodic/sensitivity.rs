@@ -77,12 +77,12 @@ impl PeriodicSystem {
     /// ```
     ///
     /// In a harmonic a parameter acts on the modes as the load `−(dΩ² + iν dĈ) η + dYᵀ λ + dp`, and on the gaps as
-    /// `dg₀ + dY η`; `dA` acts on the forces of closed contacts. Their instants add nothing, since forces are continuous
-    /// there.
+    /// `dg₀ + dY η`; `dA` acts on the forces of closed contacts. Their instants add nothing, since forces are
+    /// continuous there.
     ///
     /// # Errors
-    /// [`HbmError`] where the motion cannot be evaluated again. Where the Jacobian is singular, at a fold of what is held,
-    /// derivatives are NaN.
+    /// [`HbmError`] where the motion cannot be evaluated again. Where the Jacobian is singular, at a fold of what is
+    /// held, derivatives are NaN.
     pub fn sensitivities(
         &mut self,
         found: &Refined,

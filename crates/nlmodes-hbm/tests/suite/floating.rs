@@ -200,8 +200,8 @@ fn a_steady_force_acts_where_there_is_mass() {
 }
 
 /// A free rod of which the weight is that of its massive nodes, on its massless lower end: as stiff as one that is
-/// fixed there, it begins at the frequency of that, and each point returns after a period, integrated with small steps of a
-/// Runge-Kutta method of fourth order.
+/// fixed there, it begins at the frequency of that, and each point returns after a period, integrated with small steps
+/// of a Runge-Kutta method of fourth order.
 #[test]
 fn a_rod_bounces_on_its_end_and_returns() {
     let n = 6;

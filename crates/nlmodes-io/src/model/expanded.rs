@@ -73,8 +73,8 @@ pub(super) fn means(files: &FeFiles, table: &LabelTable, mesh: Option<&Mesh>) ->
     Ok((!means.within.is_empty()).then_some(means))
 }
 
-/// `knot` says that the first row may be that of the node itself, on which those that come of it depend: hinges, and where
-/// beams or shells meet at an angle or have an offset.
+/// `knot` says that the first row may be that of the node itself, on which those that come of it depend: hinges, and
+/// where beams or shells meet at an angle or have an offset.
 fn role(expanded: Option<Expanded>, component: Component, rows: usize, knot: bool) -> Option<Role> {
     match (expanded, rows) {
         (None, 1) => Some(Role::Own),

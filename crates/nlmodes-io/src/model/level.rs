@@ -1,5 +1,5 @@
-//! Rows that are held by equal values on both diagonals: what some programs leave in the place of a row and a column that
-//! they have taken out.
+//! Rows that are held by equal values on both diagonals: what some programs leave in the place of a row and a column
+//! that they have taken out.
 
 use super::FeModel;
 use super::assemble::rows_of;
@@ -11,8 +11,8 @@ impl FeModel {
     /// K_ii = M_ii ,   |K_ij| ≤ ε K_ii ,   |M_ij| ≤ ε M_ii ,   j ≠ i
     /// ```
     ///
-    /// The value may be one, a mean of the diagonal, or far above all others (1e30, beside which entries may be left). A
-    /// true mass on a spring would have to vibrate with one radian per unit of time to the last digit. None are taken
+    /// The value may be one, a mean of the diagonal, or far above all others (1e30, beside which entries may be left).
+    /// A true mass on a spring would have to vibrate with one radian per unit of time to the last digit. None are taken
     /// out where no row has anything beside its diagonal, for those may be such masses.
     pub(super) fn leave_out_level(&mut self) {
         let (stiffness, mass) = (self.stiffness.diagonal(), self.mass.diagonal());

@@ -145,7 +145,8 @@ fn nodes_that_the_files_leave_free_are_held_by_number_and_by_set() {
     }
 }
 
-/// What some programs leave in the place of a row that they take out: one value on both diagonals and nothing beside it.
+/// What some programs leave in the place of a row that they take out: one value on both diagonals and nothing beside
+/// it.
 #[test]
 fn rows_with_equal_values_on_both_diagonals_are_held() {
     let directory = tempfile::tempdir().unwrap();

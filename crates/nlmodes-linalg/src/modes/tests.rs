@@ -502,8 +502,8 @@ fn digits_are_those_of_what_was_written() {
 }
 
 /// A bar of pairs of points that have mass in their weighted mean alone, on springs between them: every diagonal entry
-/// of the mass is positive, half of the motions have none. There are as many modes as means, however many are asked for,
-/// and their shapes have the energy that belongs to λ.
+/// of the mass is positive, half of the motions have none. There are as many modes as means, however many are asked
+/// for, and their shapes have the energy that belongs to λ.
 #[test]
 fn motions_without_mass_are_neither_modes_nor_mixed_into_them() {
     for held in [true, false] {

@@ -20,8 +20,8 @@ pub const FILES: [FileMeaning; 28] = [
     },
     FileMeaning {
         name: "branch.csv with gradients",
-        meaning: "Of a scene with `[[sensitivity]]`, behind the columns above and for each parameter those of these that \
-            its points have; of modes written at the end of the run",
+        meaning: "Of a scene with `[[sensitivity]]`, behind the columns above and for each parameter those of these \
+            that its points have; of modes written at the end of the run",
         columns: &[&GRADIENT_COLUMNS],
     },
     FileMeaning {
@@ -67,8 +67,8 @@ pub const FILES: [FileMeaning; 28] = [
     },
     FileMeaning {
         name: "design.json",
-        meaning: "Of `experiment design`: places for the exciter, settings of the loop, of each level whether it is held \
-            and the largest reading of each channel, ranges for the sensors",
+        meaning: "Of `experiment design`: places for the exciter, settings of the loop, of each level whether it is \
+            held and the largest reading of each channel, ranges for the sensors",
         columns: &[],
     },
     FileMeaning {
@@ -147,8 +147,8 @@ pub const FILES: [FileMeaning; 28] = [
     FileMeaning {
         name: "frequency_energy.svg",
         meaning: "Figures, also `frequency_amplitude.svg`, `contacts.svg`, `participation.svg`, `motion_….svg`, \
-            with `[[sensitivity]]` `gradients_….svg`, \
-            `history_P….svg`; of responses `responses.svg` and others instead of the first two, of motions in time `envelope.svg` and `spectrum.svg`, and motions, contacts \
+            with `[[sensitivity]]` `gradients_….svg`, `history_P….svg`; of responses `responses.svg` and others \
+            instead of the first two, of motions in time `envelope.svg` and `spectrum.svg`, and motions, contacts \
             and histories of the first curve, up to its largest contact force; left out with `output.figures = false`",
         columns: &[],
     },

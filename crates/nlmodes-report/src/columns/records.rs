@@ -45,10 +45,11 @@ row! {
             "total_power_w less what the damping ratios of the linear modes take in the same harmonics: lost at the \
              contact, or in modes that are not in the table";
         balance_peak_force_n: Option<f64>, "N",
-            "largest contact force by the balance of the linear modes, without the force cell; empty where it is within \
-             its errors";
+            "largest contact force by the balance of the linear modes, without the force cell; empty where it is \
+             within its errors";
         balance_impulse_ns: Option<f64>, "N s", "its integral over a period, by the balance of the linear modes";
-        balance_restitution: Option<f64>, "", "speed after over speed before a contact, where that force begins and ends";
+        balance_restitution: Option<f64>, "",
+            "speed after over speed before a contact, where that force begins and ends";
         balance_stiffness_n_m: Option<f64>, "N/m", "slope of that force over the displacement at the stop";
         energy_j: Option<f64>, "J", "kinetic energy, averaged over a period";
         periods: Option<usize>, "", "whole periods that were evaluated";

@@ -31,8 +31,8 @@ fn model(dashpots: &[Dashpot]) -> ResponseModel {
     model
 }
 
-/// Two dashpots couple all modes. While the base is pressed the two masses are a chain on it, in closed form; beyond, the
-/// powers are in balance; and the third mass, which is shaken too little to matter, stays.
+/// Two dashpots couple all modes. While the base is pressed the two masses are a chain on it, in closed form; beyond,
+/// the powers are in balance; and the third mass, which is shaken too little to matter, stays.
 #[test]
 fn a_body_on_its_base_responds_and_what_nothing_touches_stays() {
     let dashpots = [Dashpot { at: vec![(0, 1.0)], damping: 2.0 }, Dashpot { at: vec![(2, 1.0)], damping: 1.0 }];

@@ -289,7 +289,8 @@ fn phase_resonances_at_constant_level() {
     }
 }
 
-/// At a fold of a response over the frequency the derivative of the frequency at constant amplitude is that of the fold.
+/// At a fold of a response over the frequency the derivative of the frequency at constant amplitude is that of the
+/// fold.
 #[test]
 fn folds_of_responses_move_as_their_gradients_say() {
     for (name, chain) in chains() {

@@ -101,7 +101,8 @@ pub fn of_structure(file: &SceneFile) -> Result<Assumed, RunError> {
     Ok(Assumed { file, assumed })
 }
 
-/// Force at phase resonance with which the stop is just reached, N; of a stop that touches or presses at rest one newton.
+/// Force at phase resonance with which the stop is just reached, N; of a stop that touches or presses at rest one
+/// newton.
 fn grazing(rig: &Rig, test: &TestScene) -> f64 {
     let mode = test.settings.mode - 1;
     let shape = |weights: &[(usize, f64)]| rig.reduction.shape(weights)[mode].abs();

@@ -17,7 +17,8 @@ const STILL: f64 = 0.02;
 pub struct DrivePlace {
     /// Position, m.
     pub position_m: f64,
-    /// Force at phase resonance with which the stop is just reached, N; without a stop that of a modal amplitude of one.
+    /// Force at phase resonance with which the stop is just reached, N; without a stop that of a modal amplitude of
+    /// one.
     pub force_n: f64,
     /// Stroke of the exciter then, m.
     pub stroke_m: f64,

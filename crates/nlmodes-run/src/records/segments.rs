@@ -120,8 +120,8 @@ fn steady(
     if found.is_empty() {
         let Steadiness { periods, amplitude, lag_deg, frequency } = steadiness;
         return Err(nothing(format!(
-            "over no {periods} periods the amplitudes change by less than {} %, the lag by {lag_deg}° and the frequency \
-             by {} %",
+            "over no {periods} periods the amplitudes change by less than {} %, the lag by {lag_deg}° and the \
+             frequency by {} %",
             100.0 * amplitude,
             100.0 * frequency
         )));

@@ -65,7 +65,8 @@ pub enum SettleError {
     },
     /// No exact motion was found next to the point.
     #[error(
-        "no exact motion was found next to point {point}: {reason}; more `method.harmonics` bring the point nearer to it"
+        "no exact motion was found next to point {point}: {reason}; more `method.harmonics` bring the point nearer to \
+         it"
     )]
     NoMotion {
         /// The point.

@@ -11,8 +11,9 @@ const EQUAL: f64 = 1e-12;
 /// Nodes that are listed.
 const LISTED: usize = 5;
 
-/// Several rows that are coupled to nothing, vibrate at one frequency, and are touched by no contact: programs that take
-/// a row out may leave numbers of their own on its two diagonals. A true mass on a spring is as good a guess, and stays.
+/// Several rows that are coupled to nothing, vibrate at one frequency, and are touched by no contact: programs that
+/// take a row out may leave numbers of their own on its two diagonals. A true mass on a spring is as good a guess, and
+/// stays.
 pub(super) fn doubt(subject: &Subject<'_>) -> Option<String> {
     let (model, alone) = (subject.model, subject.model.rows_alone());
     if alone.iter().all(|alone| *alone) {

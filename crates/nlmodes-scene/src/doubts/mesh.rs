@@ -25,8 +25,8 @@ pub fn doubts(subject: &Subject<'_>) -> Option<String> {
     })
 }
 
-/// Nodes of the matrices that are not in the mesh, except unknowns within elements and, of elements that CalculiX expands,
-/// the rotations of their knots, which it numbers behind all nodes of the deck.
+/// Nodes of the matrices that are not in the mesh, except unknowns within elements and, of elements that CalculiX
+/// expands, the rotations of their knots, which it numbers behind all nodes of the deck.
 fn unknown(subject: &Subject<'_>, mesh: &Mesh) -> Option<String> {
     let nodes = subject.model.nodes();
     let last = mesh.numbers.iter().copied().max().filter(|_| mesh.is_expanded());

@@ -43,8 +43,8 @@ pub struct RawRecordScene {
 /// Files of records.
 #[derive(Debug, Deserialize, JsonSchema)]
 pub struct RawRecording {
-    /// Files, a record each: .csv, .uff or .unv (58, 58b), .wav, .npy, .tdms, .mat, .h5; behind # the structure, cell or
-    /// array that is meant in the last two (run.mat#Tests{2}); paths from where the scene is
+    /// Files, a record each: .csv, .uff or .unv (58, 58b), .wav, .npy, .tdms, .mat, .h5; behind # the structure, cell
+    /// or array that is meant in the last two (run.mat#Tests{2}); paths from where the scene is
     #[schemars(length(min = 1, max = MAX_LIST))]
     pub files: Vec<String>,
     /// Sampling rate; must agree with the time column or the header to 1e-6

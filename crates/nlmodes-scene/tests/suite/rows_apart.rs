@@ -12,8 +12,8 @@ use nlmodes_scene::{doubts, parse};
 type Outcome<T = ()> = Result<T, Box<dyn Error>>;
 
 /// Two masses of 2 kg in a row on springs of 3 kN/m, nodes 1 and 2, and rows apart with these stiffnesses and masses
-/// (N/m, kg), nodes 11, 12, …; a stop before node `stop`. Gives the number of unknowns, the frequencies, the outline and
-/// what looks wrong.
+/// (N/m, kg), nodes 11, 12, …; a stop before node `stop`. Gives the number of unknowns, the frequencies, the outline
+/// and what looks wrong.
 fn said(folder: &Path, apart: &[(f64, f64)], stop: usize) -> Outcome<(usize, Vec<f64>, String, Vec<String>)> {
     let n = 2 + apart.len();
     let file = |name: &str, chain: &[&str], of: &dyn Fn(&(f64, f64)) -> f64| {

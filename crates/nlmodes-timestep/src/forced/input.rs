@@ -6,8 +6,8 @@ pub const DEGREE: usize = 11;
 
 /// A load in time, in pieces: over each it is a polynomial.
 pub trait Signal: Send + Sync {
-    /// The piece that begins at an instant (s): the end of the piece before, the beginning of the motion, or any instant
-    /// within a piece that continues.
+    /// The piece that begins at an instant (s): the end of the piece before, the beginning of the motion, or any
+    /// instant within a piece that continues.
     fn piece(&self, from: f64) -> SignalPiece;
 }
 
@@ -18,8 +18,8 @@ pub struct SignalPiece {
     pub coefficients: [f64; DEGREE + 1],
     /// Its end, s; infinite for what does not change any more.
     pub until: f64,
-    /// Whether the next piece goes on where this one ends with all its derivatives: it may then be taken earlier, so that
-    /// no step ends there.
+    /// Whether the next piece goes on where this one ends with all its derivatives: it may then be taken earlier, so
+    /// that no step ends there.
     pub continues: bool,
 }
 

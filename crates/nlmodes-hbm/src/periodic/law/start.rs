@@ -44,8 +44,9 @@ struct Tangent {
 /// tangents of its laws at rest.
 ///
 /// # Errors
-/// [`HbmError::LawAtNode`] for an amplitude of a law that the mode does not move, as [`modal_lift_off`] but for modes that move no contact, [`HbmError::NoSuchMode`], [`HbmError::RigidBodyMode`],
-/// [`HbmError::PressedAtRest`] or [`HbmError::Linalg`].
+/// [`HbmError::LawAtNode`] for an amplitude of a law that the mode does not move, as [`modal_lift_off`] but for modes
+/// that move no contact, [`HbmError::NoSuchMode`], [`HbmError::RigidBodyMode`], [`HbmError::PressedAtRest`] or
+/// [`HbmError::Linalg`].
 pub fn modal_start(structure: &ModalStructure, mode: usize, start: ModeStart) -> Result<ModalGrazing, HbmError> {
     if structure.is_pressed() {
         let contact = structure.gaps().iter().position(|g| *g < 0.0).unwrap_or(0);
