@@ -301,11 +301,13 @@ mod tests {
             lu.solve_in_place(&mut x);
             let mut y = b.clone();
             lu.solve_transposed_in_place(&mut y);
+            // What is left of a nearly singular matrix is small beside its large solution.
+            let within = |x: &[f64]| 1e-12 * (1.0 + x.iter().map(|x| x.abs()).sum::<f64>());
             for i in 0..n {
                 let ax: f64 = (0..n).map(|j| a[(i, j)] * x[j]).sum();
-                prop_assert!((ax - b[i]).abs() < 1e-10, "row {i}: {ax} vs {}", b[i]);
+                prop_assert!((ax - b[i]).abs() < within(&x), "row {i}: {ax} vs {}", b[i]);
                 let ay: f64 = (0..n).map(|j| a[(j, i)] * y[j]).sum();
-                prop_assert!((ay - b[i]).abs() < 1e-10, "column {i}: {ay} vs {}", b[i]);
+                prop_assert!((ay - b[i]).abs() < within(&y), "column {i}: {ay} vs {}", b[i]);
             }
         }
     }
