@@ -7,6 +7,9 @@ import struct
 from collections.abc import Callable, Mapping
 from typing import Any
 
+_DEEPEST = 20
+"""Deepest nesting that is looked at: a scene needs four, and what is nested more deeply is refused when it is read."""
+
 _SAMPLES = [sign * 10.0 ** (k / 4.0) for k in range(-40, 1) for sign in (-1.0, 1.0)]
 
 
@@ -70,15 +73,17 @@ def taken_out(scene: Mapping[str, Any]) -> tuple[dict[str, Any], list[tuple[str,
     """A scene with the names of its laws in their place, and the laws."""
     found: dict[str, Law] = {}
 
-    def without(value: Any) -> Any:
+    def without(value: Any, depth: int = 0) -> Any:
+        if depth > _DEEPEST:
+            return value
         if isinstance(value, Law):
             name = value._name()
             found[name] = value
             return {"function": name}
         if isinstance(value, Mapping):
-            return {key: without(item) for key, item in value.items()}
+            return {key: without(item, depth + 1) for key, item in value.items()}
         if isinstance(value, (list, tuple)):
-            return [without(item) for item in value]
+            return [without(item, depth + 1) for item in value]
         return value
 
     plain = without(scene)
