@@ -49,6 +49,11 @@ pub struct BranchPoint {
 }
 
 impl BranchPoint {
+    /// A place near which a point is sought, with the direction of the branch there.
+    pub fn guess(x: Vec<f64>, p: f64, tangent: Vec<f64>) -> Self {
+        Self { x, p, tangent, residual: f64::NAN, iterations: 0, pattern: 0, events: Vec::new() }
+    }
+
     /// Unknowns and parameter as one vector `z`, n + 1.
     pub fn z(&self) -> Vec<f64> {
         let mut z = self.x.clone();

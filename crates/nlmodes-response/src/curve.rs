@@ -19,6 +19,8 @@ pub struct ResponsePoint {
     pub motion: PeriodicMotion,
     /// Complex amplitude of the drive point at the frequency of the load, m; zero without a drive point.
     pub drive: Complex64,
+    /// Amplitude of the displacement that gradients watch, m; zero without one.
+    pub(crate) watched: f64,
     /// Stability, where it was asked for.
     pub stability: Option<Stability>,
     /// Largest scaled residual.

@@ -5,7 +5,7 @@ use nlmodes_contact::LcpSolver;
 use nlmodes_continuation::{
     Bound, Branch, BranchPoint, Budget, Continuation, EventKind, Linearization, ParametricSystem, StopReason,
 };
-use nlmodes_hbm::{PeriodicSystem, PhaseLag, Refined, Source};
+use nlmodes_hbm::{PeriodicSystem, PhaseLag, Refined, ResponseRow, Source};
 use nlmodes_linalg::DenseLu;
 use num_complex::Complex64;
 
@@ -72,7 +72,8 @@ impl Curve<'_> {
     /// The motions of a branch.
     pub fn curve(&mut self, branch: &Branch, omega: (usize, f64)) -> Result<ResponseCurve, ResponseError> {
         let points = branch.points.iter().map(|point| self.point(point)).collect::<Result<Vec<_>, _>>()?;
-        let mut points = self.locate_losses(branch, points)?;
+        let points = self.locate_losses(branch, points)?;
+        let mut points = self.locate_peaks(points)?;
         name_lost_stability(&mut points);
         let end = match unsolved(&points) {
             Some(why) => lost(why),
@@ -121,11 +122,9 @@ impl Curve<'_> {
             between.sort_by(|p, q| (p.0 - a.p).abs().total_cmp(&(q.0 - a.p).abs()));
             for (p, level) in between {
                 let share = if a.p == b.p { 0.0 } else { (p - a.p) / (b.p - a.p) };
-                let mut guess = a.clone();
-                guess.x = a.x.iter().zip(&b.x).map(|(a, b)| a + share * (b - a)).collect();
-                guess.p = p;
-                guess.tangent = (0..=a.x.len()).map(|j| f64::from(u8::from(j == a.x.len()))).collect();
-                guess.events.clear();
+                let x = a.x.iter().zip(&b.x).map(|(a, b)| a + share * (b - a)).collect();
+                let held = (0..=a.x.len()).map(|j| f64::from(u8::from(j == a.x.len()))).collect();
+                let guess = BranchPoint::guess(x, p, held);
                 // The level as it was asked for, without the rounding of its logarithm.
                 let point = ResponsePoint { level, ..self.point(&guess)? };
                 // Where the step between is too long for Newton's method, the nearer end stands for it, with its own
@@ -137,10 +136,21 @@ impl Curve<'_> {
         Ok(found)
     }
 
-    pub fn point(&mut self, at: &BranchPoint) -> Result<ResponsePoint, ResponseError> {
+    /// The motion next to a guess, without stability, events and gradients.
+    pub fn near(&mut self, at: &BranchPoint) -> Result<ResponsePoint, ResponseError> {
+        let found = self.solved(at);
+        self.motion(None, found)
+    }
+
+    /// The solution next to a point, to rounding.
+    fn solved(&mut self, at: &BranchPoint) -> Refined {
         // A free phase is held at that of the point itself, not at that of the last one that was found.
         self.system.hold_phase(&at.x);
-        let found = refined(&mut self.system, at);
+        refined(&mut self.system, at)
+    }
+
+    pub fn point(&mut self, at: &BranchPoint) -> Result<ResponsePoint, ResponseError> {
+        let found = self.solved(at);
         let gradients = match &self.settings.gradients {
             gradients if gradients.changes.is_empty() || self.settings.watch.asks_to_end() => Vec::new(),
             gradients => self.system.sensitivities(&found, gradients.watched.as_ref(), &gradients.changes)?,
@@ -171,16 +181,19 @@ impl Curve<'_> {
         let system = another.unwrap_or(&mut self.system);
         let motion = system.refined_motion(&found)?;
         let Refined { x, p, residual, .. } = found;
-        let drive = self.drive.as_ref().map_or(Complex64::default(), |drive| {
-            let own = system.load().terms().iter().zip(&drive.row.loads);
-            let own = own.filter(|(term, _)| term.harmonic == drive.harmonic);
+        let of = |row: &ResponseRow, harmonic: usize| {
+            let own = system.load().terms().iter().zip(&row.loads).filter(|(term, _)| term.harmonic == harmonic);
             let moved = own.map(|(term, a)| a * motion.at.level * motion.at.omega.powi(term.omega_power));
-            motion.displacement(&drive.row)[drive.harmonic] + moved.sum::<Complex64>()
-        });
+            motion.displacement(row)[harmonic] + moved.sum::<Complex64>()
+        };
+        let drive = self.drive.as_ref().map_or(Complex64::default(), |drive| of(&drive.row, drive.harmonic));
+        let watched = self.settings.gradients.watched.as_ref();
+        let watched = watched.map_or(0.0, |watched| of(&watched.row, watched.harmonic).norm());
         Ok(ResponsePoint {
             omega: motion.at.omega * self.settings.subharmonic as f64,
             level: motion.at.level,
             drive,
+            watched,
             stability: None,
             residual,
             events: Vec::new(),

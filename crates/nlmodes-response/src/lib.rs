@@ -55,6 +55,7 @@ mod history;
 mod linear;
 mod losses;
 mod model;
+mod peaks;
 mod recovery;
 mod sensitivity;
 mod settings;

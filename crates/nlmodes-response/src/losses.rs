@@ -61,12 +61,10 @@ impl Curve<'_> {
             let secant = low.0 - low.1 * (high.0 - low.0) / (high.1 - low.1);
             let half = 0.5 * (low.0 + high.0);
             let share = if found.is_some() && secant.is_finite() { secant.clamp(low.0, high.0) } else { half };
-            let mut guess = a.clone();
-            guess.x = from.iter().zip(&step).take(a.x.len()).map(|(z, s)| z + share * s).collect();
-            guess.p = from[a.x.len()] + share * step[a.x.len()];
-            guess.tangent = step.iter().map(|s| s / length).collect();
-            guess.events.clear();
-            let point = self.point(&guess)?;
+            let x = from.iter().zip(&step).take(a.x.len()).map(|(z, s)| z + share * s).collect();
+            let p = from[a.x.len()] + share * step[a.x.len()];
+            let along = step.iter().map(|s| s / length).collect();
+            let point = self.point(&BranchPoint::guess(x, p, along))?;
             let Some(value) = point.stability.map(|s| s.magnitude() - 1.0) else { break };
             if point.residual > CONVERGED {
                 break;

@@ -149,9 +149,9 @@ pub fn design(file: &SceneFile<TestScene>, observer: &mut dyn Observer) -> Resul
         ranges: ranges(&levels),
         levels,
         held_by: "time integration of structure, stop, exciter, detector and controller at each level: a level counts as \
-                  held if lag, frequency, amplitude and single periods settle within virtual_test.schedule. Multipliers \
-                  of the closed loop are not computed: how far a held level is from being lost, and other motions at the same \
-                  level, are not checked",
+                  held if lag, frequency, amplitude and single periods settle within virtual_test.schedule. \
+                  Multipliers of the closed loop are not computed: how far a held level is from being lost, and other \
+                  motions at the same level, are not checked",
         ended,
     })
 }

@@ -99,6 +99,7 @@ mod sheet;
 mod sliding;
 mod style;
 pub mod transient;
+mod two_columns;
 pub mod updating;
 pub mod verify;
 pub mod virtual_test;

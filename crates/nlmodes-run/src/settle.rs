@@ -37,8 +37,10 @@ pub struct Settled {
     pub point: usize,
     /// Frequency of the load, Hz.
     pub frequency_hz: f64,
-    /// Level of the load, in its unit.
+    /// Level of the load, and its unit.
     pub level: f64,
+    /// Unit of the level.
+    pub level_unit: &'static str,
     /// What it becomes.
     #[serde(flatten)]
     pub becomes: Becomes,
@@ -131,6 +133,7 @@ pub fn settle(directory: &Path, point: usize, settings: SettleSettings) -> Resul
         point,
         frequency_hz: search.omega / std::f64::consts::TAU,
         level: search.level,
+        level_unit: search.unit,
         becomes,
         disturbance: settings.disturbance,
         integrated_periods,

@@ -5,7 +5,6 @@ mod noise;
 mod prepared;
 mod spectrum;
 mod start;
-mod table;
 mod written;
 
 use std::time::{Duration, Instant};

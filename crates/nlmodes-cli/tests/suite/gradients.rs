@@ -26,7 +26,7 @@ const FORCE: &str = "[damping]\nratio = 0.01\n[[force]]\nat_m = 0.125\ndirection
     [[response]]\nkind = \"frequency\"\nfrequency_hz = [12.0, 26.0]\n";
 
 /// Keys with their values.
-const KEYS: [(&str, f64); 9] = [
+const KEYS: [(&str, f64); 10] = [
     ("contact.0.gap_mm", 1.0),
     ("contact.1.gap_m", 0.7e-3),
     ("contact.0.stiffness_n_m", 2e4),
@@ -36,6 +36,7 @@ const KEYS: [(&str, f64); 9] = [
     ("structure.section.height_mm", 6.0),
     ("structure.mass_point.0.mass_kg", 0.05),
     ("structure.spring.0.stiffness_n_m", 800.0),
+    ("structure.mass_point.0.at_m", 0.25),
 ];
 
 /// Positions that move with the length.
@@ -130,7 +131,9 @@ fn gradients_of_a_beam_between_two_stops_are_those_of_runs_that_end_at_the_same_
             let gradient = base[&format!("d_{name}_d_{key}")];
             let size = difference.abs().max(1e-2 * base[of].abs() / value);
             let error = (gradient - difference).abs() / size;
-            assert!(error < 2e-6, "{key}, {name}: {gradient} by gradient, {difference}, {error:.1e}");
+            // The mesh bends with a position over the length of an element: differences of runs err by more.
+            let allowed = if key.ends_with("at_m") { 1e-5 } else { 2e-6 };
+            assert!(error < allowed, "{key}, {name}: {gradient} by gradient, {difference}, {error:.1e}");
         }
     }
     Ok(())
@@ -162,13 +165,50 @@ fn gradients_of_a_response_are_those_of_runs_that_end_at_the_same_frequency() ->
     Ok(())
 }
 
+/// At the rows with the largest amplitude and the largest contact force the derivatives are those of these maxima, which
+/// lie between the steps of a curve and move in frequency with most parameters.
+#[test]
+fn gradients_of_a_peak_are_those_of_the_peaks_of_other_runs() -> Outcome {
+    let keys = [
+        ("contact.0.gap_mm", 1.0),
+        ("structure.section.height_mm", 6.0),
+        ("structure.material.youngs_modulus_gpa", 210.0),
+        ("damping.ratio", 0.01),
+        ("response.levels_n.0", 8.0),
+    ];
+    let force = FORCE.replace("amplitude_n = 8.0\n", "") + "levels_n = [8.0]\n";
+    let text = with_keys(&format!("{BEAM}figures = false\npage = false\n{force}"), &keys);
+    let largest = |rows: &[HashMap<String, f64>], of: &str| -> Result<HashMap<String, f64>, Box<dyn Error>> {
+        Ok(rows.iter().max_by(|a, b| a[of].total_cmp(&b[of])).ok_or("no rows")?.clone())
+    };
+    let run = |more: &[String]| -> Result<Vec<HashMap<String, f64>>, Box<dyn Error>> {
+        let (folder, code, said) = call(&text, more)?;
+        assert_eq!(code, Some(0), "{said}");
+        rows(folder.path())
+    };
+    let base = run(&[])?;
+    for (key, value) in keys {
+        let set = key.replace("response.levels", "response.0.levels");
+        let end = |factor: f64| run(&[format!("{set}={:?}", value * factor)]);
+        let (above, below) = (end(1.0 + STEP)?, end(1.0 - STEP)?);
+        for (name, of) in [("amplitude", "fundamental_m"), ("peak_force", "peak_contact_force_n")] {
+            let difference = (largest(&above, of)?[of] - largest(&below, of)?[of]) / (2.0 * STEP * value);
+            let own = largest(&base, of)?;
+            let gradient = own[&format!("d_{name}_d_{key}")];
+            let error = (gradient - difference).abs() * value / own[of];
+            assert!(error < 1e-6, "{key}, {name}: {gradient} by gradient, {difference}, {error:.1e}");
+        }
+    }
+    Ok(())
+}
+
 #[test]
 fn what_has_no_gradient_is_refused_by_name() -> Outcome {
     let cases: [(&str, &str, &str); 6] = [
         ("method.harmonics", "", "is no parameter of the structure or its load"),
         ("contact.3.gap_m", "", "the scene does not write `contact.3.gap_m`"),
         ("structure.kind", "", "no single number"),
-        ("contact.0.at_m", "", "stops stand at nodes"),
+        ("contact.0.at_m", "", "cannot vary on both sides"),
         ("contact.0.gap_m", "method.mass_redistribution=drop", "free-interface"),
         ("contact.0.gap_m", "method.kind=shooting", "harmonics"),
     ];

@@ -1,14 +1,12 @@
 //! Records in the files of MATLAB and HDF5: one of the short records, as other programs wrote it.
 
-use std::collections::HashMap;
 use std::error::Error;
 use std::fs;
 use std::path::Path;
 
-use assert_cmd::Command;
+use crate::segments::extract;
 
 type Outcome = Result<(), Box<dyn Error>>;
-type Row = HashMap<String, String>;
 
 /// Channels of the short record that are in all files, with quantity, role and position.
 const CHANNELS: [(&str, &str, &str, f64); 4] = [
@@ -30,19 +28,6 @@ fn scene(file: &str, sampling: &str, names: [&str; 4], more: &str) -> String {
     };
     let channels: String = names.into_iter().zip(CHANNELS).map(channel).collect();
     format!("[recording]\nfiles = ['{file}']\n{sampling}\n{channels}[stop]\nposition_m = 0.63\ngap_m = 1e-3\n{more}")
-}
-
-fn extract(folder: &Path, text: &str) -> Result<(i32, String, Vec<Row>), Box<dyn Error>> {
-    let (path, out) = (folder.join("scene.toml"), folder.join("out"));
-    drop(fs::remove_dir_all(&out));
-    fs::write(&path, text)?;
-    let mut command = Command::cargo_bin("nlmodes-cli")?;
-    let output = command.args(["experiment", "extract"]).arg(&path).arg("--out").arg(&out).output()?;
-    let said = String::from_utf8(output.stdout)? + &String::from_utf8(output.stderr)?;
-    let table = out.join("modal_points.csv");
-    let rows =
-        if table.exists() { csv::Reader::from_path(table)?.deserialize().collect::<Result<_, _>>()? } else { vec![] };
-    Ok((output.status.code().ok_or("no status")?, said, rows))
 }
 
 #[test]

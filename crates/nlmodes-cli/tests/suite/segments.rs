@@ -59,7 +59,7 @@ fn scene(files: &str, more: &str) -> String {
 }
 
 /// Exit status, output, and the rows of the table, in the order of its header.
-fn extract(folder: &Path, text: &str) -> Result<(i32, String, Vec<Row>), Box<dyn Error>> {
+pub fn extract(folder: &Path, text: &str) -> Result<(i32, String, Vec<Row>), Box<dyn Error>> {
     let (path, out) = (folder.join("scene.toml"), folder.join("out"));
     drop(fs::remove_dir_all(&out));
     fs::write(&path, text)?;

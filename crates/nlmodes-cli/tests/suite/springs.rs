@@ -105,6 +105,8 @@ fn laws_that_are_the_same_force_are_the_same_mode() -> Outcome {
     let folder = prepared()?;
     let table: String =
         (-400..=400).map(|i| 5e-6 * f64::from(i)).map(|v| format!("{v},{}\n", 6e9 * v.powi(3))).collect();
+    // With the names of the columns above, or without.
+    fs::write(folder.path().join("named.csv"), format!("displacement_m,force_n\n{table}"))?;
     fs::write(folder.path().join("cubic.csv"), table)?;
     let last = |law: &str| -> Result<(f64, f64), Box<dyn Error>> {
         let text = with_law(law, "1e3").replace("[continuation]\n", "[continuation]\nstart_energy_j = 1e-7\n");
@@ -116,6 +118,7 @@ fn laws_that_are_the_same_force_are_the_same_mode() -> Outcome {
     assert!((energy / 1e-4 - 1.0).abs() < 1e-9, "{energy}");
     let (_, power) = last("{ power = { stiffness = 6e9, exponent = 3 } }")?;
     let (_, table) = last("{ table = \"cubic.csv\" }")?;
+    assert_eq!(last("{ table = \"named.csv\" }")?.1, table);
     assert!((power / cubic - 1.0).abs() < 1e-10, "{power} {cubic}");
     assert!((table / cubic - 1.0).abs() < 1e-6, "{table} {cubic}");
     assert!(cubic > 24.2, "{cubic}");

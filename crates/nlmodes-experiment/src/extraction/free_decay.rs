@@ -23,10 +23,6 @@ use crate::records::Record;
 const PERIODS: f64 = 3.0;
 /// Blocks on either side of one over which its slopes are taken.
 const BESIDE: usize = 3;
-/// Harmonics of a block.
-const HARMONICS: usize = 10;
-/// Samples of a period and harmonic below which fewer harmonics are taken.
-const SAMPLES: f64 = 2.5;
 /// Error of a block's amplitude, relative, at which the decay ends in noise.
 const NOISE: f64 = 0.01;
 /// Share of its largest scatter below which the force is off.
@@ -95,11 +91,7 @@ pub fn free_decay(
     let mut findings = Vec::new();
     let usable = quality::usable(record, &mut findings);
     let layout = Layout::new(record, &usable);
-    let Some(reference) = layout.reference else {
-        let consequence = "no usable channel measures a motion".into();
-        let finding = Box::new(Finding::ChannelMissing { channel: "response".into(), consequence });
-        return Err(ExtractionError::Refused { finding, others: findings });
-    };
+    let reference = layout.motion(&mut findings)?;
     let omega = window::guess(record, &layout, settings, reference)?;
     let modes = settings.linear_modes.as_ref().and_then(|modes| {
         let (modes, at) = modes_at(modes, &layout.places, &record.channels, &mut findings)?;
@@ -115,8 +107,7 @@ pub fn free_decay(
     let wanted = 2 * BESIDE + 1;
     if blocks.len() < wanted {
         let (periods, wanted) = (PERIODS * blocks.len() as f64, (PERIODS * wanted as f64) as usize);
-        let finding = Box::new(Finding::TooShort { periods, wanted });
-        return Err(ExtractionError::Refused { finding, others: findings });
+        return Err(window::refuse(Finding::TooShort { periods, wanted }, &findings));
     }
     let time = |t: f64| record.start + t;
     Ok(FreeDecay { from: time(first as f64 / record.sample_rate), points: points(&blocks, record.start) })
@@ -161,8 +152,8 @@ impl Followed<'_> {
     /// What so many samples show; `None` where they show no vibration.
     fn block(&self, samples: Range<usize>, step: f64) -> Result<Option<Block>, ExtractionError> {
         let rate = self.record.sample_rate;
-        let harmonics = ((TAU / step / SAMPLES) as usize).clamp(1, HARMONICS);
-        let fit = HarmonicFit::new(harmonics, step, samples.len())?;
+        let fit = HarmonicFit::of_block(step, samples.len())?;
+        let harmonics = fit.n_harmonics();
         let signals: Vec<&[f64]> = self.record.samples.iter().map(|x| &x[samples.clone()]).collect();
         let found = fit.coefficients(&signals);
         let omega = step * rate;

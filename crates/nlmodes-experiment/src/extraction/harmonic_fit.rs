@@ -1,3 +1,5 @@
+use std::f64::consts::TAU;
+
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use num_complex::Complex64;
 
@@ -6,6 +8,9 @@ use crate::extraction::phase_grid::PhaseGrid;
 
 /// Samples times harmonics from which on sums are taken over a grid of phases: below, those term by term cost nothing.
 const MANY: usize = 1 << 22;
+
+/// Most harmonics of a block, and fewest samples of a period for each.
+const IN_A_BLOCK: (usize, f64) = (10, 2.5);
 
 /// Least squares fit of a mean and harmonics to evenly sampled signals: `x_j ≈ Re Σ_{n=0}^{H} q_n e^{inψ_j}`,
 /// `ψ_j = ω (j − (N−1)/2) Δt`.
@@ -42,6 +47,15 @@ impl HarmonicFit {
         let sines = DMatrix::from_fn(n_harmonics, n_harmonics, sine);
         let sines = if n_harmonics == 0 { None } else { Some(sines.cholesky().ok_or_else(refuse)?) };
         Ok(Self { n_harmonics, n_samples, step, cosines, sines })
+    }
+
+    /// Of a block of a longer record: ten harmonics, or as many as leave [`IN_A_BLOCK`] samples a period for each.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub(crate) fn of_block(step: f64, n_samples: usize) -> Result<Self, ExtractionError> {
+        let (most, samples) = IN_A_BLOCK;
+        Self::new(((TAU / step / samples) as usize).clamp(1, most), step, n_samples)
     }
 
     /// Highest harmonic H.

@@ -3,8 +3,9 @@
 use nlmodes_modal::{LinearModes, noise_level};
 use num_complex::Complex64;
 
-use crate::extraction::Finding;
 use crate::extraction::measured::spread;
+use crate::extraction::window::refuse;
+use crate::extraction::{ExtractionError, Finding};
 use crate::records::{Channel, Quantity, Record, Role};
 
 /// Positions count as the same within this share of the largest one.
@@ -57,6 +58,17 @@ impl Layout {
         };
         let reference = reference(record, &motion);
         Self { force, drive, contact: first(Role::Contact), phase: first(Role::ExcitationPhase), places, reference }
+    }
+
+    /// The channel of motion that determines the frequency.
+    ///
+    /// # Errors
+    /// [`Finding::ChannelMissing`] without one, among these findings.
+    pub fn motion(&self, findings: &mut Vec<Finding>) -> Result<usize, ExtractionError> {
+        self.reference.ok_or_else(|| {
+            let consequence = "no usable channel measures a motion".into();
+            refuse(Finding::ChannelMissing { channel: "response".into(), consequence }, findings)
+        })
     }
 }
 

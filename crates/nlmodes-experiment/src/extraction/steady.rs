@@ -7,15 +7,11 @@ use num_complex::Complex64;
 
 use crate::extraction::layout::Layout;
 use crate::extraction::measured::wrapped;
-use crate::extraction::{ExtractionError, ExtractionSettings, Finding, HarmonicFit, quality, window};
+use crate::extraction::{ExtractionError, ExtractionSettings, HarmonicFit, quality, window};
 use crate::records::Record;
 
 /// Periods of a block by which amplitude, phase and frequency are followed.
 const BLOCK: usize = 4;
-/// Harmonics of a block.
-const HARMONICS: usize = 10;
-/// Samples of a period and harmonic below which fewer harmonics are taken.
-const SAMPLES: f64 = 2.5;
 /// Share of the largest amplitude below which the drive counts as off.
 const OFF: f64 = 0.02;
 /// Standard deviations of the noise by which values of a level may differ.
@@ -59,11 +55,7 @@ pub fn steady_stretches(
     let mut findings = Vec::new();
     let usable = quality::usable(record, &mut findings);
     let layout = Layout::new(record, &usable);
-    let Some(motion) = layout.reference else {
-        let consequence = "no usable channel measures a motion".into();
-        let finding = Box::new(Finding::ChannelMissing { channel: "response".into(), consequence });
-        return Err(ExtractionError::Refused { finding, others: findings });
-    };
+    let motion = layout.motion(&mut findings)?;
     let omega = window::guess(record, &layout, settings, motion)?;
     let step = omega / record.sample_rate;
     let length = (BLOCK as f64 * TAU / step).round() as usize;
@@ -93,8 +85,7 @@ fn followed(
     let mut before: Option<(f64, f64)> = None;
     for (k, own) in steps.iter().enumerate() {
         let block = k * length..(k + 1) * length;
-        let harmonics = ((TAU / own / SAMPLES) as usize).clamp(1, HARMONICS);
-        let fit = HarmonicFit::new(harmonics, *own, length)?;
+        let fit = HarmonicFit::of_block(*own, length)?;
         let signals: Vec<&[f64]> = std::iter::once(motion).chain(force).map(|signal| &signal[block.clone()]).collect();
         let found: Vec<Complex64> = fit.coefficients(&signals).iter().map(|q| q[1]).collect();
         let (x, f) = (found[0], found.get(1).copied().unwrap_or(found[0]));

@@ -59,10 +59,7 @@ pub fn choose(
     settings: &ExtractionSettings,
     findings: &mut Vec<Finding>,
 ) -> Result<Window, ExtractionError> {
-    let Some(reference) = layout.reference else {
-        let consequence = "no usable channel measures a motion".into();
-        return Err(refuse(Finding::ChannelMissing { channel: "response".into(), consequence }, findings));
-    };
+    let reference = layout.motion(findings)?;
     let (rate, samples) = (record.sample_rate, &record.samples[reference][..record.n_samples()]);
     let guess = guess(record, layout, settings, reference)?;
     let periods = record.duration() * guess / TAU;
@@ -102,7 +99,7 @@ pub fn choose(
     Ok(window)
 }
 
-fn refuse(finding: Finding, others: &[Finding]) -> ExtractionError {
+pub(super) fn refuse(finding: Finding, others: &[Finding]) -> ExtractionError {
     ExtractionError::Refused { finding: Box::new(finding), others: others.to_vec() }
 }
 

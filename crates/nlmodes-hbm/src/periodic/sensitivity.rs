@@ -234,7 +234,8 @@ impl PeriodicSystem {
         let amplitude = known.amplitude.as_ref().map_or(f64::NAN, |(_, row)| inner(row, dz) + parameter.amplitude);
         // Gaps and forces over the period: through the unknowns, through ω, ξ and level, and by the parameter itself.
         let moved = self.load_gaps(at);
-        let mut gaps = self.gaps_of(&dz[..self.n_coefficients()]);
+        let mut gaps = vec![0.0; self.y.len()];
+        self.add_displacements(&dz[..self.n_coefficients()], &mut gaps);
         for (by, d) in moved[..3].iter().zip([d_omega, d_xi, d_level]) {
             gaps.iter_mut().zip(by).for_each(|(gap, by)| *gap += by * d);
         }
@@ -256,20 +257,6 @@ impl PeriodicSystem {
             peak_force: self.peak_force_change(&gaps, change),
             impulse: period * (d_mean - mean / at.omega * d_omega),
         }
-    }
-
-    /// `P dx`, c × width, m.
-    fn gaps_of(&self, dx: &[f64]) -> Vec<f64> {
-        let (width, unit) = (self.series().width(), self.unit());
-        let (c, d) = (self.structure.n_contacts(), dx.len() / width);
-        let mut gaps = vec![0.0; c * width];
-        for (i, gap) in gaps.chunks_mut(width).enumerate() {
-            for j in (0..d).filter(|j| self.gap_map[i * d + j] != 0.0) {
-                let factor = self.gap_map[i * d + j] * unit;
-                gap.iter_mut().zip(&dx[j * width..]).for_each(|(gap, dx)| *gap += factor * dx);
-            }
-        }
-        gaps
     }
 
     /// Values at an instant of a series for each contact, c.

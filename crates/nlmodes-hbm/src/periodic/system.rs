@@ -241,18 +241,25 @@ impl PeriodicSystem {
 
     /// Gaps without contact forces of the coefficients `x`; `moved` is what the load [adds](Self::load_gaps).
     pub(super) fn form_gaps(&mut self, x: &[f64], moved: &[f64]) {
-        let (unit, d) = (self.unit(), self.response.n_coordinates());
+        let mut gaps = std::mem::take(&mut self.y);
+        match moved.len() == gaps.len() {
+            true => gaps.copy_from_slice(moved),
+            false => gaps.fill(0.0),
+        }
+        self.add_displacements(x, &mut gaps);
         let width = self.series().width();
-        for (i, y) in self.y.chunks_mut(width).enumerate() {
-            match moved.get(i * width..(i + 1) * width) {
-                Some(moved) => y.copy_from_slice(moved),
-                None => y.fill(0.0),
-            }
+        gaps.chunks_mut(width).zip(self.structure.gaps()).for_each(|(y, gap)| y[0] += gap);
+        self.y = gaps;
+    }
+
+    /// Adds `P x` of the coefficients `x` to gaps, c × width, m.
+    pub(super) fn add_displacements(&self, x: &[f64], gaps: &mut [f64]) {
+        let (unit, d, width) = (self.unit(), self.response.n_coordinates(), self.series().width());
+        for (i, gap) in gaps.chunks_mut(width).enumerate() {
             for j in (0..d).filter(|j| self.gap_map[i * d + j] != 0.0) {
                 let factor = self.gap_map[i * d + j] * unit;
-                y.iter_mut().zip(&x[j * width..]).for_each(|(y, x)| *y += factor * x);
+                gap.iter_mut().zip(&x[j * width..]).for_each(|(y, x)| *y += factor * x);
             }
-            y[0] += self.structure.gaps()[i];
         }
     }
 

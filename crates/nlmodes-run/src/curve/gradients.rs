@@ -14,8 +14,8 @@ struct Pick<'a> {
 /// Folds that are shown.
 const FOLDS: usize = 2;
 
-/// Of a response over the frequency its largest amplitude, with the contact force there, and the frequencies of its
-/// first folds; of a response over the level those levels; of any other curve the frequency and the contact force of
+/// Of a response over the frequency its largest amplitude, its largest contact force, each at a point of its own, and
+/// the frequencies of its first folds; of a response over the level those levels; of any other curve the frequency and the contact force of
 /// its last point.
 fn picks(branch: &ModalBranch) -> Vec<Pick<'_>> {
     let points = || branch.points.iter().filter(|point| !point.gradients.is_empty());
@@ -30,16 +30,19 @@ fn picks(branch: &ModalBranch) -> Vec<Pick<'_>> {
     if is_known(GradientOf::Level) {
         return folds(GradientOf::Level, "level");
     }
-    let largest = points().max_by(|a, b| a.fundamental.abs().total_cmp(&b.fundamental.abs())).unwrap_or(last);
-    let over_frequency = !is_free(last) && same_level(branch);
-    let (point, first, at) = match over_frequency {
-        true => (largest, GradientOf::Amplitude, format!("at the peak, {:.4} Hz", hertz(largest.listed_omega()))),
-        false => (last, GradientOf::Frequency, "at the last point".to_owned()),
+    if is_free(last) || !same_level(branch) {
+        let of_last = [GradientOf::Frequency, GradientOf::PeakForce];
+        return of_last
+            .map(|what| Pick { point: last, what, name: format!("{} at the last point", what.words()) })
+            .into();
+    }
+    let largest = |what, word: &str, size: &dyn Fn(&ModalPoint) -> f64| {
+        let point = points().max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(last);
+        Pick { point, what, name: format!("{word} at {:.4} Hz", hertz(point.listed_omega())) }
     };
-    let of_point =
-        [first, GradientOf::PeakForce].map(|what| Pick { point, what, name: format!("{} {at}", what.words()) });
-    let folds = if over_frequency { folds(GradientOf::Frequency, "frequency") } else { Vec::new() };
-    of_point.into_iter().chain(folds).collect()
+    let amplitude = largest(GradientOf::Amplitude, "largest amplitude", &|point| point.fundamental.abs());
+    let force = largest(GradientOf::PeakForce, "largest contact force", &|point| point.peak_contact_force);
+    [amplitude, force].into_iter().chain(folds(GradientOf::Frequency, "frequency")).collect()
 }
 
 /// Whether all points have one level of the load.

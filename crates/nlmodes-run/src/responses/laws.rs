@@ -5,11 +5,10 @@ use std::sync::Arc;
 
 use nlmodes::hbm::{Bilinear, Exponential, ForceLaw, ModeStart, Polynomial, PowerDamper, PowerSpring, TableLaw};
 use nlmodes::response::{ResponseModel, Weights};
-use nlmodes_io::{Address, read_numbers};
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::scene::{Place, SpringLaw};
 
-use crate::{RunError, chain};
+use crate::{RunError, chain, two_columns};
 
 /// Instants of a period at which laws are evaluated that are no polynomials: with slopes that are continuous, forces
 /// are then right to 1e-7 and better.
@@ -55,17 +54,14 @@ pub fn add(
 fn law(file: &SceneFile, i: usize, law: &SpringLaw) -> Result<Arc<dyn ForceLaw>, RunError> {
     let table = |path: &Path, key: &str, of_velocity: bool| -> Result<Arc<dyn ForceLaw>, RunError> {
         let key = format!("spring.{i}.law.{key}");
+        let names = [if of_velocity { "velocity_m_s" } else { "displacement_m" }, "force_n"];
         let failed = |title: &str| -> RunError {
-            let expected = "expected lines with two numbers each, the first ones growing, through the origin";
-            file.error_at(&key, title, expected, &[]).into()
+            let expected = format!("expected lines {}, the first ones growing, through the origin", names.join(","));
+            file.error_at(&key, title, &expected, &[]).into()
         };
-        let numbers = read_numbers(&Address { path: path.to_owned(), name: None }).map_err(|e| failed(&chain(&e)))?;
-        let [rows, 2] = numbers.shape[..] else {
-            return Err(failed(&format!("{}: {} instead of two columns", path.display(), numbers.size())));
-        };
-        let column = |j: usize| (0..rows).map(|i| numbers.values[2 * i + j]).collect::<Vec<f64>>();
-        let largest = column(1).into_iter().fold(0.0_f64, |most, force| most.max(force.abs()));
-        let law = TableLaw::new(column(0), column(1), of_velocity)
+        let [places, forces] = two_columns::read(path, names).map_err(|why| failed(&why))?;
+        let largest = forces.iter().fold(0.0_f64, |most, force| most.max(force.abs()));
+        let law = TableLaw::new(places, forces, of_velocity)
             .map_err(|error| failed(&format!("{}: {}", path.display(), chain(&error))))?;
         let at_rest = law.at(0.0, 0.0).force;
         if at_rest.abs() > AT_REST * largest {

@@ -39,8 +39,9 @@ const LAST: usize = 2;
 /// A structure under its load, and the exact motion of a point.
 pub struct Search {
     structure: ForcedStructure,
-    /// Level of the load, and its angular frequency, rad/s.
+    /// Level of the load and its unit, and its angular frequency, rad/s.
     pub level: f64,
+    pub unit: &'static str,
     pub omega: f64,
     /// Periods of the load in one of the motion.
     subharmonic: usize,
@@ -95,7 +96,7 @@ impl Search {
         let start = structure.periodic(level, omega, subharmonic, &near);
         let start = start.map_err(|error| SettleError::NoMotion { point, reason: chain(&error) })?;
         let off = structure.distance(&near, &start.state);
-        Ok(Self { structure, level, omega, subharmonic, start, off, rows })
+        Ok(Self { structure, level, unit: model.unit, omega, subharmonic, start, off, rows })
     }
 
     /// Follows the disturbed motion; what it becomes, and the periods of the load that this took.

@@ -15,7 +15,7 @@ impl Settled {
         let [re, im] = self.multiplier;
         let imaginary = if im == 0.0 { String::new() } else { format!(" ± {} i", short(im.abs())) };
         let mut lines = vec![
-            format!("point {}: {:.6} Hz, level {}", self.point, self.frequency_hz, number(self.level)),
+            format!("point {}: {:.6} Hz, {} {}", self.point, self.frequency_hz, number(self.level), self.level_unit),
             format!("largest multiplier     {}{imaginary}", short(re)),
             format!("motion of the point    {}", size(&self.before)),
             format!("exact motion next to it, off by {} of its size", short(self.distance_to_exact)),

@@ -6,10 +6,10 @@ use nlmodes_scene::SceneFile;
 use nlmodes_scene::outline::place_in_words;
 use nlmodes_scene::scene::{Course, LoadOn, Place, Transient};
 
-use super::{noise, table};
-use crate::course::{Cosine, chirp, half_sine};
+use super::noise;
+use crate::course::{Cosine, Lines, chirp, half_sine};
 use crate::responses::{Model, Reduced, base_force, structure};
-use crate::{RunError, chain};
+use crate::{RunError, chain, two_columns};
 
 /// A structure with its loads.
 pub struct Prepared {
@@ -108,14 +108,13 @@ impl Prepared {
             }
             Course::Table(table) => {
                 let value = if matches!(load.on, LoadOn::Base(_)) { "acceleration_m_s2" } else { "force_n" };
-                let mut lines = table::read(table, value).map_err(|why| -> RunError {
+                let [times, values] = two_columns::read(table, ["time_s", value]).map_err(|why| -> RunError {
                     let expected = format!("expected rows time_s,{value}");
                     file.error_at(&format!("{path}.table"), &why, &expected, &[]).into()
                 })?;
-                lines.times.iter_mut().for_each(|t| *t += start);
-                let span = lines.times[lines.times.len() - 1] - lines.times[0];
-                self.table_hz = self.table_hz.max((lines.times.len() - 1) as f64 / span);
-                (Box::new(lines), 0.0)
+                let span = times[times.len() - 1] - times[0];
+                self.table_hz = self.table_hz.max((times.len() - 1) as f64 / span);
+                (Box::new(Lines { times: times.iter().map(|t| t + start).collect(), values }), 0.0)
             }
             Course::Impact { .. } => return Ok(()),
         };

@@ -51,10 +51,14 @@ fn parameter(k: usize, raw: &RawSensitivity, diagnostics: &mut Diagnostics<'_>) 
 
 /// The path at which the value of a key stands: with another unit, and that of the only response is a list too.
 fn written_path(key: &str, diagnostics: &Diagnostics<'_>) -> Option<String> {
-    let listed = key.strip_prefix("response.").map(|rest| format!("response.0.{rest}"));
-    let names = std::iter::once(key.to_owned()).chain(listed);
+    let names = std::iter::once(key.to_owned()).chain(listed(key));
     let mut spelled = names.flat_map(|name| [diagnostics.as_written(&name), name]);
     spelled.find(|path| diagnostics.document().place(path).is_some())
+}
+
+/// The key of a number of the response with the number 0.
+fn listed(key: &str) -> Option<String> {
+    key.strip_prefix("response.").map(|rest| format!("response.0.{rest}"))
 }
 
 /// Refuses what has no gradients: scenes that are not in free-interface modes, laws of force, exact motions.
@@ -94,7 +98,9 @@ const POSITIONS: [&str; 3] = ["at_", "to_", "drive_"];
 /// the structure every position along it, so that all keep their nodes.
 pub fn overrides(sensitivity: &Sensitivity, factor: f64, document: &Document) -> Vec<String> {
     let Sensitivity { key, value, .. } = sensitivity;
-    let own = format!("{key}={:?}", value * factor);
+    // The only one of several tables may go without its number.
+    let numbered = listed(key).filter(|numbered| document.place(key).is_none() && document.place(numbered).is_some());
+    let own = format!("{}={:?}", numbered.as_deref().unwrap_or(key), value * factor);
     if !key.starts_with("structure.length_") {
         return vec![own];
     }

@@ -34,7 +34,9 @@ fn refused(file: &SceneFile, number: usize, error: &SceneError) -> SceneError {
     let why: Vec<String> = error.diagnostics().iter().map(Diagnostic::sentence).collect();
     let title = format!("a thousandth beside its value, `{key}` makes the scene another one: {}", why.join("; "));
     let help = match key.rsplit('.').next().is_some_and(|name| name.starts_with("at_")) {
-        true => "stops stand at nodes, so that gradients by their positions are not computed; compare two runs",
+        true => {
+            "a place at an end of the structure, or next to another part, cannot vary on both sides; compare two runs"
+        }
         false => "gradients need the scene on both sides of the value",
     };
     file.error_at(&format!("sensitivity.{number}.key"), &title, "expected a parameter that may vary", &[help])

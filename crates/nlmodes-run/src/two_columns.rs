@@ -1,4 +1,4 @@
-//! Tables of loads over time.
+//! Tables of two columns: loads over time, forces over displacements.
 
 use std::fs;
 use std::path::Path;
@@ -6,42 +6,41 @@ use std::path::Path;
 use nlmodes_io::{Address, read_numbers};
 
 use crate::chain;
-use crate::course::Lines;
 
 /// Endings of texts.
 const TEXTS: [&str; 5] = ["csv", "txt", "dat", "tsv", "asc"];
 
-/// Reads times and values: two columns of an array, or of a text, with or without names above; `value` is the name of
-/// the second one.
+/// Reads two columns of an array, or of a text, with or without these names above.
 ///
 /// # Errors
 /// What is wrong, in words that begin with the file.
-pub fn read(path: &Path, value: &str) -> Result<Lines, String> {
+pub fn read(path: &Path, names: [&str; 2]) -> Result<[Vec<f64>; 2], String> {
     let of = |what: String| format!("{}: {what}", path.display());
     let address = Address::parse(&path.to_string_lossy());
     let ending = address.path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let is_text = address.name.is_none() && TEXTS.contains(&ending.as_str());
-    let (times, values) = match is_text.then(|| fs::read_to_string(&address.path)) {
-        Some(Ok(text)) if has_names(&text) => named(&text, value).map_err(of)?,
+    let [first, second] = match is_text.then(|| fs::read_to_string(&address.path)) {
+        Some(Ok(text)) if has_names(&text) => named(&text, names).map_err(of)?,
         _ => of_numbers(&address)
             .map_err(|why| if why.contains(&*address.path.to_string_lossy()) { why } else { of(why) })?,
     };
-    if times.len() < 2 {
-        return Err(of(format!("{} row; expected two or more", times.len())));
+    if first.len() < 2 {
+        return Err(of(format!("{} row; expected two or more", first.len())));
     }
-    if let Some(k) = times.windows(2).position(|pair| pair[0] >= pair[1]) {
-        return Err(of(format!("row {}: {} s behind {} s; expected times that grow", k + 2, times[k + 1], times[k])));
+    if let Some(k) = first.windows(2).position(|pair| pair[0] >= pair[1]) {
+        let (before, behind) = (first[k], first[k + 1]);
+        return Err(of(format!("row {}: {behind} behind {before}; expected {} that grows", k + 2, names[0])));
     }
-    Ok(Lines { times, values })
+    Ok([first, second])
 }
 
-fn of_numbers(address: &Address) -> Result<(Vec<f64>, Vec<f64>), String> {
+fn of_numbers(address: &Address) -> Result<[Vec<f64>; 2], String> {
     let numbers = read_numbers(address).map_err(|error| chain(&error))?;
     let [rows, 2] = numbers.shape[..] else {
-        return Err(format!("{}; expected two columns, times and values", numbers.size()));
+        return Err(format!("{}; expected two columns", numbers.size()));
     };
     let column = |j: usize| (0..rows).map(|i| numbers.values[2 * i + j]).collect();
-    Ok((column(0), column(1)))
+    Ok([column(0), column(1)])
 }
 
 fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
@@ -57,16 +56,16 @@ fn has_names(text: &str) -> bool {
     })
 }
 
-/// The columns `time_s` and `value`.
-fn named(text: &str, value: &str) -> Result<(Vec<f64>, Vec<f64>), String> {
+/// The columns of these names.
+fn named(text: &str, wanted: [&str; 2]) -> Result<[Vec<f64>; 2], String> {
     let mut lines = lines(text);
     let names: Vec<&str> = lines.next().map_or_else(Vec::new, |(_, line)| line.split(',').map(str::trim).collect());
     let column = |name: &str| {
         let found = names.iter().position(|own| *own == name);
-        found.ok_or_else(|| format!("columns {}; expected time_s and {value}", names.join(",")))
+        found.ok_or_else(|| format!("columns {}; expected {}", names.join(","), wanted.join(" and ")))
     };
-    let columns = [column("time_s")?, column(value)?];
-    let (mut times, mut values) = (Vec::new(), Vec::new());
+    let columns = [column(wanted[0])?, column(wanted[1])?];
+    let [mut first, mut second] = [Vec::new(), Vec::new()];
     for (number, line) in lines {
         let fields: Vec<&str> = line.split(',').map(str::trim).collect();
         let read = |column: usize| {
@@ -75,8 +74,8 @@ fn named(text: &str, value: &str) -> Result<(Vec<f64>, Vec<f64>), String> {
             number_there
                 .ok_or_else(|| format!("line {number}: `{field}` in column {}; expected a number", names[column]))
         };
-        times.push(read(columns[0])?);
-        values.push(read(columns[1])?);
+        first.push(read(columns[0])?);
+        second.push(read(columns[1])?);
     }
-    Ok((times, values))
+    Ok([first, second])
 }
