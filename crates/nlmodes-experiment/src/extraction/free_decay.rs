@@ -91,7 +91,7 @@ pub fn free_decay(
     let mut findings = Vec::new();
     let usable = quality::usable(record, &mut findings);
     let layout = Layout::new(record, &usable);
-    let reference = layout.motion(&mut findings)?;
+    let reference = layout.motion(&findings)?;
     let omega = window::guess(record, &layout, settings, reference)?;
     let modes = settings.linear_modes.as_ref().and_then(|modes| {
         let (modes, at) = modes_at(modes, &layout.places, &record.channels, &mut findings)?;

@@ -64,7 +64,7 @@ impl Layout {
     ///
     /// # Errors
     /// [`Finding::ChannelMissing`] without one, among these findings.
-    pub fn motion(&self, findings: &mut Vec<Finding>) -> Result<usize, ExtractionError> {
+    pub fn motion(&self, findings: &[Finding]) -> Result<usize, ExtractionError> {
         self.reference.ok_or_else(|| {
             let consequence = "no usable channel measures a motion".into();
             refuse(Finding::ChannelMissing { channel: "response".into(), consequence }, findings)

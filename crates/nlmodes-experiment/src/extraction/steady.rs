@@ -55,7 +55,7 @@ pub fn steady_stretches(
     let mut findings = Vec::new();
     let usable = quality::usable(record, &mut findings);
     let layout = Layout::new(record, &usable);
-    let motion = layout.motion(&mut findings)?;
+    let motion = layout.motion(&findings)?;
     let omega = window::guess(record, &layout, settings, motion)?;
     let step = omega / record.sample_rate;
     let length = (BLOCK as f64 * TAU / step).round() as usize;
