@@ -141,6 +141,8 @@ fn truth(record: &Record, omega: f64) -> [f64; 2] {
 fn ten_random_structures_have_the_force_of_their_cell() {
     const EXACT: ModeErrors = ModeErrors { frequency: 0.0, damping: 0.0, shape: 0.0 };
     let errors = ModeErrors { frequency: 1e-3, damping: 0.1, shape: 0.01 };
+    // Draws of the modes' errors for each structure.
+    const DRAWS: u64 = 4;
     let (mut within, mut all) = ([0, 0], 0);
     for seed in 1..=10 {
         let test = random(seed);
@@ -163,18 +165,23 @@ fn ten_random_structures_have_the_force_of_their_cell() {
         let lost = exact.modal.as_ref().unwrap().contact_dissipation.unwrap();
         let power = exact.excitation.as_ref().unwrap().total_power.value;
         assert!(lost.value.abs() < 3.0 * lost.uncertainty + 2e-3 * power, "{seed}: {lost:?} of {power}");
-        let modes_off = extracted(&test, &record, errors, seed);
-        let found = modes_off.balance.as_ref().unwrap();
-        let sigma = |found: Measured, truth: f64| (found.value - truth).abs() / found.uncertainty;
-        let sigmas = [sigma(found.peak_force, peak), sigma(found.impulse, impulse)];
-        within[0] += sigmas.iter().filter(|sigma| **sigma < 1.0).count();
-        within[1] += sigmas.iter().filter(|sigma| **sigma < 2.0).count();
-        all += 2;
-        assert!(sigmas.iter().all(|sigma| *sigma < 4.0), "{seed}: {sigmas:?}");
-        assert!(found.peak_force.uncertainty < 0.3 * peak, "{seed}: {:?}", found.peak_force);
+        for draw in 0..DRAWS {
+            let modes_off = extracted(&test, &record, errors, DRAWS * seed + draw);
+            // A force within the errors of the modes is none.
+            let Some(found) = modes_off.balance.as_ref() else { continue };
+            let sigma = |found: Measured, truth: f64| (found.value - truth).abs() / found.uncertainty;
+            let sigmas = [sigma(found.peak_force, peak), sigma(found.impulse, impulse)];
+            within[0] += sigmas.iter().filter(|sigma| **sigma < 1.0).count();
+            within[1] += sigmas.iter().filter(|sigma| **sigma < 2.0).count();
+            all += 2;
+            assert!(sigmas.iter().all(|sigma| *sigma < 4.0), "{seed}: {sigmas:?}");
+            assert!(found.peak_force.uncertainty < 0.3 * peak, "{seed}: {:?}", found.peak_force);
+        }
     }
-    // Of twenty stated errors 68 and 95 % are expected to cover.
-    assert!(within[0] >= 9 && within[1] >= 17, "{within:?} of {all}");
+    assert!(all >= 70, "{all} of 80");
+    // Stated errors cover 68 and 95 %, within 8 points.
+    let share = within.map(|n: usize| 100 * n / all);
+    assert!(share[0] >= 60 && share[1] >= 87, "{within:?} of {all}");
 }
 
 #[test]

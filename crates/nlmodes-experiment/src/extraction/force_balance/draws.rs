@@ -8,8 +8,8 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::ForceBalance;
 
-/// Number of draws: their standard deviation is known to a tenth.
-const DRAWS: usize = 40;
+/// Number of draws: their standard deviation is known to 4 %.
+const DRAWS: usize = 400;
 
 /// Seed of the draws: they are the same in each run.
 const SEED: u64 = 1;
