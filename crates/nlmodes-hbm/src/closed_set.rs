@@ -1,7 +1,6 @@
 use std::collections::HashMap;
 
-use nlmodes_contact::{ContactBody, LcpMatrix};
-use nlmodes_linalg::Mat;
+use nlmodes_contact::LcpMatrix;
 
 use crate::HbmError;
 
@@ -84,26 +83,6 @@ impl ClosedSet {
     fn bytes(&self) -> usize {
         (self.s.len() + self.guard.len()) * size_of::<f64>()
     }
-}
-
-/// The displacements of the contact nodes while one set of contacts is closed, `q_N = b − D b + r`.
-#[derive(Debug, Clone)]
-pub(crate) struct NodeResponse {
-    /// `D = −K_NN⁻¹ W S Wᵀ`, n_N × n_N, row-major.
-    pub d: Vec<f64>,
-    /// `r = K_NN⁻¹ W S g₀`, n_N.
-    pub r: Vec<f64>,
-}
-
-impl NodeResponse {
-    pub fn new(body: &ContactBody, closed: &[bool]) -> Result<Self, HbmError> {
-        let response = body.response(closed).map_err(HbmError::Compliance)?;
-        Ok(Self { d: rows(&response.blocked), r: response.offset })
-    }
-}
-
-fn rows(m: &Mat<f64>) -> Vec<f64> {
-    (0..m.nrows()).flat_map(|i| (0..m.ncols()).map(move |j| m[(i, j)])).collect()
 }
 
 /// The closed sets met so far; a period has few, and neighbouring iterates share them.

@@ -1,3 +1,5 @@
+use std::sync::Arc;
+
 use nlmodes_contact::{ContactBody, LcpMatrix};
 use nlmodes_linalg::Mat;
 use nlmodes_model::{ContactCoordinates, MasslessContactModel};
@@ -30,18 +32,15 @@ use crate::recording::Recording;
 #[derive(Debug, Clone)]
 pub struct CondensedStructure {
     pub(crate) model: MasslessContactModel,
-    pub(crate) modes: Vec<HeldMode>,
+    /// What the equations of one harmonic need.
+    pub(crate) held: Arc<Held>,
     pub(crate) shapes: Mat<f64>,
     pub(crate) psi: Mat<f64>,
     pub(crate) t0: Mat<f64>,
-    /// What the held modes that were not computed still contribute.
-    pub(crate) residual: ResidualMass,
     /// The contact degrees of freedom with `C = K_NN⁻¹`.
     pub(crate) body: ContactBody,
     /// What a steady force does with the contacts held.
     pub(crate) statics: HeldStatics,
-    /// The held modes once more, laid out for sums over all of them.
-    pub(crate) sums: HeldSums,
     pub(crate) recording: Recording,
     n_held: usize,
 }
@@ -64,10 +63,15 @@ impl CondensedStructure {
             .map_err(HbmError::Compliance)?;
         let n_n = held.statics.ncols();
         let inverse = k_nn.solve_columns(&Mat::identity(n_n, n_n));
+        let mut lift = statics.pull.clone();
+        if !lift.is_empty() {
+            k_nn.solve_in_place(&mut lift);
+        }
         let HeldModes { modes, shapes, statics: psi, transfer: t0, .. } = held;
         let sums = HeldSums::new(&modes, &inverse, &t0, &residual);
         let recording = Recording::new(&model, &modes, &shapes, [&psi, &residual.shapes], &statics.sag);
-        Ok(Self { model, modes, shapes, psi, t0, residual, body, statics, sums, recording, n_held })
+        let held = Arc::new(Held { modes, residual, sums, lift });
+        Ok(Self { model, held, shapes, psi, t0, body, statics, recording, n_held })
     }
 
     /// The structure that was reduced.
@@ -77,7 +81,7 @@ impl CondensedStructure {
 
     /// Held modes that move the contacts, ascending.
     pub fn modes(&self) -> &[HeldMode] {
-        &self.modes
+        &self.held.modes
     }
 
     /// Held modes computed, with those that leave the contacts at rest.
@@ -117,6 +121,26 @@ impl CondensedStructure {
     }
 }
 
+/// The held structure as the contact nodes see it in one harmonic.
+#[derive(Debug)]
+pub(crate) struct Held {
+    /// The held modes that move the contacts, ascending.
+    pub modes: Vec<HeldMode>,
+    /// What the held modes that were not computed still contribute.
+    pub residual: ResidualMass,
+    /// The held modes once more, laid out for sums over all of them.
+    pub sums: HeldSums,
+    /// Where a steady force brings the contact nodes, `K_NN⁻¹ Ψᵀ f_L`, n_N, m; empty where there is none.
+    pub lift: Vec<f64>,
+}
+
+impl Held {
+    /// Number of contact degrees of freedom n_N.
+    pub fn n_contact_dofs(&self) -> usize {
+        self.sums.size()
+    }
+}
+
 /// Static answer of the structure to a steady force `f` with its contacts held; all empty where there is none.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct HeldStatics {
@@ -124,8 +148,6 @@ pub(crate) struct HeldStatics {
     pub sag: Vec<f64>,
     /// `Ψᵀ f_L`, n_N, N: what the contact nodes feel of it.
     pub pull: Vec<f64>,
-    /// `K_NN⁻¹ Ψᵀ f_L`, n_N, m: where it brings the contact nodes.
-    pub lift: Vec<f64>,
     /// `−½ f_Lᵀ K_LL⁻¹ f_L`, J: energy of the structure and of the force, contacts held where they are drawn.
     pub energy: f64,
 }
@@ -136,11 +158,10 @@ impl HeldStatics {
         let force: Vec<f64> = model.linear_dofs().iter().map(|&dof| steady.force[dof]).collect();
         let along = |d: usize| (0..force.len()).map(|i| held.statics[(i, d)] * force[i]).sum::<f64>();
         let pull: Vec<f64> = (0..held.statics.ncols()).map(along).collect();
-        let (mut sag, mut lift) = (force.clone(), pull.clone());
+        let mut sag = force.clone();
         held.stiffness.solve_in_place(&mut sag);
-        held.contact_stiffness.solve_in_place(&mut lift);
         let energy = -0.5 * inner(&force, &sag);
-        Self { sag, pull, lift, energy }
+        Self { sag, pull, energy }
     }
 }
 

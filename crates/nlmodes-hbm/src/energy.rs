@@ -1,6 +1,6 @@
 use nlmodes_linalg::Mat;
 
-use crate::CondensedStructure;
+use crate::condensed::Held;
 use crate::held_sums::Sums;
 use crate::transfer::Plane;
 
@@ -8,7 +8,7 @@ use crate::transfer::Plane;
 ///
 /// Near the eigenfrequency of a held mode p, where `q_N,n → 0`, its coordinate follows from `b_n` and `q_N,n` together:
 /// `η_p = −(δ g_p q + s_p g_p (b − F q)) / (δ² + s_p²)`, which needs neither to be resonant nor not to be.
-pub(crate) struct KineticEnergy {
+pub(crate) struct HeldEnergy {
     pub value: f64,
     /// With respect to the n_N coefficients of `b` and of `q_N`.
     pub d_b: Vec<f64>,
@@ -17,27 +17,27 @@ pub(crate) struct KineticEnergy {
     pub d_nu2: f64,
 }
 
-impl KineticEnergy {
+impl HeldEnergy {
     pub fn new(n: usize) -> Self {
         Self { value: 0.0, d_b: vec![0.0; n], d_q: vec![0.0; n], d_nu2: 0.0 }
     }
 
-    pub fn set(&mut self, structure: &CondensedStructure, plane: &Plane, nu2: f64, b: &[f64], q: &[f64]) {
+    pub fn set(&mut self, held: &Held, plane: &Plane, nu2: f64, b: &[f64], q: &[f64]) {
         if let ([b], [q], 1, false) = (b, q, plane.poles.len(), plane.with_next_term) {
-            return self.set_scalars(structure, plane, nu2, *b, *q);
+            return self.set_scalars(held, plane, nu2, *b, *q);
         }
         self.value = 0.0;
         self.d_nu2 = 0.0;
         self.d_b.fill(0.0);
         self.d_q.fill(0.0);
         for p in plane.poles.clone() {
-            let (eta, d_eta) = self.add_resonant(structure, plane, p, nu2, b, q);
+            let (eta, d_eta) = self.add_resonant(held, plane, p, nu2, b, q);
             self.value += 0.25 * nu2 * eta * eta;
             self.d_nu2 += 0.25 * eta * eta + 0.5 * nu2 * eta * d_eta;
         }
-        self.add_others(&plane.sums, &structure.residual.mass, nu2, q);
+        self.add_others(&plane.sums, &held.residual.mass, nu2, q);
         if plane.with_next_term {
-            self.add_next_term(&structure.residual.next, nu2, q);
+            self.add_next_term(&held.residual.next, nu2, q);
         }
     }
 
@@ -52,13 +52,13 @@ impl KineticEnergy {
     }
 
     /// The same for one contact degree of freedom.
-    fn set_scalars(&mut self, structure: &CondensedStructure, plane: &Plane, nu2: f64, b: f64, q: f64) {
-        let mode = &structure.modes[plane.poles.start];
+    fn set_scalars(&mut self, held: &Held, plane: &Plane, nu2: f64, b: f64, q: f64) {
+        let mode = &held.modes[plane.poles.start];
         let (g, s, delta, f, df) = (mode.g[0], mode.s, mode.lambda - nu2, plane.f[0], plane.df[0]);
         let inverse = 1.0 / (delta * delta + s * s);
         let eta = -g * (delta * q + s * (b - f * q)) * inverse;
         let d_eta = (g * (1.0 + s * df) * q + 2.0 * delta * eta) * inverse;
-        let inertia = (structure.residual.mass[(0, 0)] + plane.sums.s2[0]) * q;
+        let inertia = (held.residual.mass[(0, 0)] + plane.sums.s2[0]) * q;
         let weight = 0.5 * nu2 * eta * g * inverse;
         self.value = 0.25 * nu2 * (eta * eta + q * inertia);
         self.d_nu2 = 0.25 * (eta * eta + q * inertia) + 0.5 * nu2 * (eta * d_eta + q * plane.sums.s3[0] * q);
@@ -80,19 +80,11 @@ impl KineticEnergy {
     }
 
     /// Gradient of the resonant coordinate; returns it and its derivative with respect to `ν²`.
-    fn add_resonant(
-        &mut self,
-        structure: &CondensedStructure,
-        plane: &Plane,
-        p: usize,
-        nu2: f64,
-        b: &[f64],
-        q: &[f64],
-    ) -> (f64, f64) {
-        let (mode, n) = (&structure.modes[p], q.len());
+    fn add_resonant(&mut self, held: &Held, plane: &Plane, p: usize, nu2: f64, b: &[f64], q: &[f64]) -> (f64, f64) {
+        let (mode, n) = (&held.modes[p], q.len());
         let (delta, s) = (mode.lambda - nu2, mode.s);
         let denominator = delta * delta + s * s;
-        let eta = resonant_coordinate(structure, plane, p, nu2, b, q);
+        let eta = resonant_coordinate(held, plane, p, nu2, b, q);
         let g_f = |matrix: &[f64], j: usize| (0..n).map(|i| mode.g[i] * matrix[i * n + j]).sum::<f64>();
         let weight = 0.5 * nu2 * eta / denominator;
         let mut slope = 0.0;
@@ -106,23 +98,16 @@ impl KineticEnergy {
 }
 
 /// Modal coordinates `η_k` of the held modes for one real coefficient.
-pub(crate) fn held_coordinates(
-    structure: &CondensedStructure,
-    plane: &Plane,
-    nu2: f64,
-    b: &[f64],
-    q: &[f64],
-    eta: &mut [f64],
-) {
-    structure.sums.couple(q, eta);
-    eta.iter_mut().zip(&structure.sums.lambda).for_each(|(eta, lambda)| *eta /= nu2 - lambda);
+pub(crate) fn held_coordinates(held: &Held, plane: &Plane, nu2: f64, b: &[f64], q: &[f64], eta: &mut [f64]) {
+    held.sums.couple(q, eta);
+    eta.iter_mut().zip(&held.sums.lambda).for_each(|(eta, lambda)| *eta /= nu2 - lambda);
     for p in plane.poles.clone() {
-        eta[p] = resonant_coordinate(structure, plane, p, nu2, b, q);
+        eta[p] = resonant_coordinate(held, plane, p, nu2, b, q);
     }
 }
 
-fn resonant_coordinate(structure: &CondensedStructure, plane: &Plane, p: usize, nu2: f64, b: &[f64], q: &[f64]) -> f64 {
-    let (mode, n) = (&structure.modes[p], q.len());
+fn resonant_coordinate(held: &Held, plane: &Plane, p: usize, nu2: f64, b: &[f64], q: &[f64]) -> f64 {
+    let (mode, n) = (&held.modes[p], q.len());
     let (delta, s) = (mode.lambda - nu2, mode.s);
     let from_b: f64 = (0..n).map(|i| mode.g[i] * (b[i] - inner(&plane.f[i * n..(i + 1) * n], q))).sum();
     -(delta * inner(&mode.g, q) + s * from_b) / (delta * delta + s * s)

@@ -73,7 +73,7 @@ impl CondensedStructure {
     pub fn held_modes_error(&self, start: &Grazing, omega: f64, harmonics: usize) -> f64 {
         let Some(last) = self.modes().last() else { return f64::INFINITY };
         let remainder = 1.0 - (harmonics as f64 * omega).powi(2) / last.lambda;
-        let (q, next) = (&start.fundamental, &self.residual.next);
+        let (q, next) = (&start.fundamental, &self.held.residual.next);
         let form: f64 = (0..q.len()).map(|i| (0..q.len()).map(|j| q[i] * next[(i, j)] * q[j]).sum::<f64>()).sum();
         let error = harmonics as f64 * omega.powi(4) * form.abs() / (8.0 * start.energy) / remainder;
         if remainder > 0.0 { error } else { f64::INFINITY }
@@ -149,7 +149,7 @@ impl<'s> TruncationEstimator<'s> {
 
     /// Newton's step `δ` without the term of the held modes.
     fn step(&mut self, z: &[f64], p: f64, tangent: &[f64]) -> Option<Vec<f64>> {
-        self.fine.plane.with_next_term = false;
+        self.fine.take_next_term(false);
         self.fine.linearize(z, p, &mut self.at).ok()?;
         let n = z.len();
         for (j, component) in tangent.iter().enumerate() {
@@ -170,7 +170,7 @@ impl<'s> TruncationEstimator<'s> {
     fn held_modes(&mut self, z: &[f64], p: f64, without: &[f64], tangent: &[f64]) -> Option<f64> {
         let all = self.structure.n_held_modes() >= self.structure.model().linear_dofs().len();
         let Some(last) = self.structure.modes().last().filter(|_| !all) else { return Some(0.0) };
-        self.fine.plane.with_next_term = true;
+        self.fine.take_next_term(true);
         self.fine.linearize(z, p, &mut self.at).ok()?;
         let with = self.solve();
         let change: Vec<f64> = with.iter().zip(without).map(|(a, b)| a - b).collect();

@@ -116,7 +116,8 @@ impl HeldSums {
         add_product(factor, &self.k_nn_inverse, s, to, [n, n, n], n);
     }
 
-    fn size(&self) -> usize {
+    /// Number of contact coordinates.
+    pub fn size(&self) -> usize {
         self.k_nn_inverse.len().isqrt()
     }
 }

@@ -183,9 +183,7 @@ impl MixedShooting<'_> {
         samples: usize,
         label: &str,
     ) -> Result<TimeHistory, HbmError> {
-        self.solve_contact(x)?;
-        let contacts = self.structure().model().contacts();
-        Ok(self.sweep.time_history(contacts, contact, self.omega(x), samples, label))
+        self.system.time_history(x, self.structure.model().contacts(), contact, samples, label)
     }
 
     /// The same of each contact.
@@ -198,8 +196,7 @@ impl MixedShooting<'_> {
         samples: usize,
         label: &str,
     ) -> Result<Vec<TimeHistory>, HbmError> {
-        self.solve_contact(x)?;
-        Ok(self.sweep.equidistant_histories(self.structure().model().contacts(), self.omega(x), samples, label))
+        self.system.equidistant_histories(x, self.structure.model().contacts(), samples, label)
     }
 
     /// Motion and force of all contacts over one period of the point with the unknowns `x`, exact at the instants of
@@ -210,9 +207,7 @@ impl MixedShooting<'_> {
     /// # Errors
     /// [`HbmError`] if the contact problem has no solution there.
     pub fn time_histories(&mut self, x: &[f64], samples: usize, label: &str) -> Result<Vec<TimeHistory>, HbmError> {
-        self.solve_contact(x)?;
-        let contacts = self.structure().model().contacts();
-        Ok(self.sweep.time_histories(contacts, self.omega(x), samples, label))
+        self.system.time_histories(x, self.structure.model().contacts(), samples, label)
     }
 
     /// The spans of a period in which each contact is closed at the point with the unknowns `x`, with its force.
@@ -220,8 +215,7 @@ impl MixedShooting<'_> {
     /// # Errors
     /// [`HbmError`] if the contact problem has no solution there.
     pub fn closed_spans(&mut self, x: &[f64]) -> Result<Vec<Vec<ClosedSpan>>, HbmError> {
-        self.solve_contact(x)?;
-        Ok(self.sweep.closed_spans())
+        self.system.closed_spans(x)
     }
 
     /// Largest violations of `0 ≤ g ⊥ λ ≥ 0` over `samples` instants of a period of the point with the unknowns `x`.
@@ -229,14 +223,13 @@ impl MixedShooting<'_> {
     /// # Errors
     /// [`HbmError`] if the contact problem has no solution there.
     pub fn check_contact(&mut self, x: &[f64], samples: usize) -> Result<ContactDefects, HbmError> {
-        self.solve_contact(x)?;
-        let a = self.structure().compliance().a();
-        let length = self.scales.length;
+        self.solve(x)?;
+        let (a, length, operator) = (self.structure.compliance().a(), self.scales().length, &self.system.operator);
         let mut worst = ContactDefects::default();
         for j in 0..samples {
             let tau = TAU * (j as f64 + 0.5) / samples as f64;
-            let at: Vec<f64> = self.sweep.y.iter().map(|y| evaluate(y, tau)[0]).collect();
-            let set = self.sweep.sets.get(self.sweep.set_at(tau));
+            let at: Vec<f64> = operator.y.iter().map(|y| evaluate(y, tau)[0]).collect();
+            let set = operator.sets.get(operator.set_at(tau));
             let force: Vec<f64> = (0..at.len()).map(|i| set.force(i, &at)).collect();
             for i in 0..at.len() {
                 let row: Vec<f64> = (0..at.len()).map(|k| a[(i, k)]).collect();

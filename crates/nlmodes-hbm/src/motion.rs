@@ -14,7 +14,10 @@ impl MixedShooting<'_> {
     /// # Errors
     /// [`HbmError`] if the contact problem has no solution there.
     pub fn modal_point(&mut self, x: &[f64], residual: f64) -> Result<ModalPoint, HbmError> {
-        self.solve_contact(x)?;
+        if self.is_in_open_modes() {
+            return self.system.modal_point(x, self.structure.model().contacts(), residual);
+        }
+        self.solve(x)?;
         let omega = self.omega(x);
         let held = self.held_motion(omega);
         let coefficients = self.recorded_coordinates(&held, omega);
@@ -22,7 +25,7 @@ impl MixedShooting<'_> {
         let kinetic = harmonic_energy.iter().sum();
         let modal_amplitude = self.modal_amplitude(&held);
         let first = self.structure().model().contacts()[0];
-        let contacts = self.sweep.contact_periods(omega);
+        let contacts = self.system.operator.contact_periods(omega);
         // A structure has a contact at least: that of `first`.
         let ContactPeriod { closed_share: fraction, peak_force: first_force, .. } = contacts[0];
         Ok(ModalPoint {
@@ -56,14 +59,15 @@ impl MixedShooting<'_> {
         for n in 0..=h {
             let nu2 = (n as f64 * omega).powi(2);
             if n == 0 {
-                plane.set_static(structure)
+                plane.set_static(&structure.held)
             } else {
-                plane.set(structure, nu2)
+                plane.set(&structure.held, nu2)
             }
-            for (m, part) in std::iter::once(n).chain(series.sine(n)).zip(&mut parts) {
+            let sine = series.sine(n).map(|_| true);
+            for (is_sine, part) in std::iter::once(false).chain(sine).zip(&mut parts) {
                 let [b, q, eta] = part.of_mut(n);
-                self.coefficients(m, b, q);
-                held_coordinates(structure, &plane, nu2, b, q, eta);
+                self.coefficients(n, is_sine, b, q);
+                held_coordinates(&structure.held, &plane, nu2, b, q, eta);
             }
         }
         HeldMotion { parts }
@@ -91,7 +95,7 @@ impl MixedShooting<'_> {
     /// `ν²/λ_k η_k,n`, `q_N,n` and `ν² q_N,n`, one below the other, a column a harmonic: what
     /// `q_L,n = Σ_k φ_k (ν²/λ_k) η_k,n + Ψ q_N,n + X ν² q_N,n` is made from.
     pub(crate) fn amplitudes(&self, part: &HeldPart, omega: f64) -> Mat<f64> {
-        let inverse_lambda = &self.structure().sums.inverse_lambda;
+        let inverse_lambda = &self.structure().held.sums.inverse_lambda;
         let (k, n_n) = (inverse_lambda.len(), self.structure().n_contact_dofs());
         let mut amplitudes = Mat::zeros(k + 2 * n_n, self.series().n_harmonics + 1);
         for n in 0..=self.series().n_harmonics {
@@ -120,8 +124,8 @@ impl MixedShooting<'_> {
             let half = if n == 0 { 0.5 } else { 0.25 };
             for part in &held.parts {
                 let [b, q, eta] = part.of(n);
-                structure.sums.couple(q, &mut coupling);
-                for ((inverse, coupling), eta) in structure.sums.inverse_lambda.iter().zip(&coupling).zip(eta) {
+                structure.held.sums.couple(q, &mut coupling);
+                for ((inverse, coupling), eta) in structure.held.sums.inverse_lambda.iter().zip(&coupling).zip(eta) {
                     let share = nu2 * inverse;
                     *kinetic += half * nu2 * eta * eta;
                     strain += half * share * eta * (nu2 * eta - 2.0 * coupling);
@@ -131,7 +135,7 @@ impl MixedShooting<'_> {
                     for i in 0..n_n {
                         // The modes not computed: q_L gains ν² K_LL⁻¹ M_LL Ψ q_N, whose work against Ψ q_N counts
                         // twice.
-                        let residual = structure.residual.mass[(i, j)] * q[i] * q[j];
+                        let residual = structure.held.residual.mass[(i, j)] * q[i] * q[j];
                         *kinetic += half * nu2 * residual;
                         strain += 2.0 * half * nu2 * residual;
                         strain += half * k_nn[(i, j)] * (q[i] * static_q - b[i] * q[j]);
@@ -145,7 +149,7 @@ impl MixedShooting<'_> {
 
     /// `q̃ = √(q_L,1ᴴ M_LL q_L,1)`, eqs. (21), (22).
     fn modal_amplitude(&self, held: &HeldMotion) -> f64 {
-        let mass = &self.structure().residual.mass;
+        let mass = &self.structure().held.residual.mass;
         let squares = held.parts.iter().map(|part| {
             let [_, q, eta] = part.of(1);
             let pairs = (0..q.len()).flat_map(|i| (0..q.len()).map(move |j| (i, j)));
@@ -156,7 +160,7 @@ impl MixedShooting<'_> {
 
     /// Mean contact forces over a period, N.
     pub fn mean_forces(&self) -> Vec<f64> {
-        self.sweep.mean_forces()
+        self.system.operator.mean_forces()
     }
 
     fn signed_fundamental(&self, q: Complex64) -> f64 {
@@ -174,10 +178,11 @@ impl MixedShooting<'_> {
             return contact.gap + contact.law.compliance() * force;
         }
         // g = g₀ − side·q: the largest motion toward the stop is g₀ − min g; other contacts may be closed meanwhile.
-        let toward = self.sweep.intervals.iter().map(|interval| {
-            let set = self.sweep.sets.get(interval.set);
+        let operator = &self.system.operator;
+        let toward = operator.intervals.iter().map(|interval| {
+            let set = operator.sets.get(interval.set);
             let opposite = set.guard_row(0).map(|(j, g)| (j, -g));
-            largest(&self.sweep.combination(opposite), interval.from, interval.to).1
+            largest(&operator.combination(opposite), interval.from, interval.to).1
         });
         contact.gap + toward.fold(f64::NEG_INFINITY, f64::max)
     }

@@ -11,6 +11,7 @@ mod damping;
 mod directions;
 mod doubling;
 mod floquet;
+mod held_response;
 mod law;
 mod load;
 mod massless;
@@ -27,6 +28,7 @@ mod structure;
 mod system;
 
 pub use analyses::Coordinates;
+pub(crate) use analyses::conservative;
 pub use change::{StructureChange, StructureState};
 pub use closing_equations::{ClosingEquation, EnergyGiven, Functional, Motion, PhaseCondition, PhaseLag};
 pub use damped_stop::DampedStop;

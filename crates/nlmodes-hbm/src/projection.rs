@@ -29,7 +29,7 @@ impl Projection {
         let linear_dofs = model.linear_dofs();
         let heavy = Mat::from_fn(r, linear_dofs.len(), |j, i| inertia[(linear_dofs[i], j)]);
         let (shapes, psi) = (&heavy * structure.shapes(), &heavy * &structure.psi);
-        let residual = &heavy * &structure.residual.shapes;
+        let residual = &heavy * &structure.held.residual.shapes;
         let reduced = Mat::from_fn(r, k + 2 * n, |i, j| match j {
             j if j < k => shapes[(i, structure.modes()[j].column)],
             j if j < k + n => psi[(i, j - k)],
@@ -57,12 +57,16 @@ impl Projection {
 }
 
 impl MixedShooting<'_> {
-    /// Modal coordinates of the motion with the unknowns `x`, modes × (H + 1), m·√kg.
+    /// Modal coordinates of the motion with the unknowns `x`, modes × (H + 1), m·√kg; of one in open modes, whose modal
+    /// points have all its coordinates, [`Projection::of_motion`] makes them.
     ///
     /// # Errors
     /// [`HbmError`] if the contact problem has no solution there.
     pub fn modal_coordinates(&mut self, x: &[f64], onto: &Projection) -> Result<HarmonicCoefficients, HbmError> {
-        self.solve_contact(x)?;
+        if self.is_in_open_modes() {
+            return Ok(HarmonicCoefficients::zeros(0, 0));
+        }
+        self.solve(x)?;
         let omega = self.omega(x);
         let held = self.held_motion(omega);
         let mut modal = HarmonicCoefficients::zeros(onto.reduced.nrows(), self.series().n_harmonics);

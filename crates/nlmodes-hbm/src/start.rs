@@ -297,7 +297,7 @@ fn separated(structure: &CondensedStructure, rest: &Rest, mode: usize) -> Result
 
 /// Whether a mode has a frequency beside that of the lowest held mode.
 fn vibrates(structure: &CondensedStructure, omega: f64) -> bool {
-    omega.is_finite() && omega * omega > RIGID * structure.modes.first().map_or(0.0, |m| m.lambda)
+    omega.is_finite() && omega * omega > RIGID * structure.held.modes.first().map_or(0.0, |m| m.lambda)
 }
 
 /// Whether any degree of freedom that moves together with that of a contact has mass.

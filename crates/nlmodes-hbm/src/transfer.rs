@@ -1,6 +1,6 @@
 use std::ops::Range;
 
-use crate::CondensedStructure;
+use crate::condensed::Held;
 use crate::held_sums::Sums;
 
 /// Size of a row of `A − B` below which it is rounding.
@@ -63,10 +63,10 @@ impl Plane {
     }
 
     /// The mean: `A = I`, `B = T_0`.
-    pub fn set_static(&mut self, structure: &CondensedStructure) {
-        let n = structure.n_contact_dofs();
+    pub fn set_static(&mut self, held: &Held) {
+        let n = held.n_contact_dofs();
         identity(&mut self.a, n);
-        self.f.copy_from_slice(&structure.sums.t0);
+        self.f.copy_from_slice(&held.sums.t0);
         self.b.copy_from_slice(&self.f);
         for m in [&mut self.da, &mut self.db, &mut self.df] {
             m.fill(0.0);
@@ -81,20 +81,20 @@ impl Plane {
     }
 
     /// The harmonic with squared angular frequency `nu2`.
-    pub fn set(&mut self, structure: &CondensedStructure, nu2: f64) {
-        let n = structure.n_contact_dofs();
-        let modes = &structure.modes;
+    pub fn set(&mut self, held: &Held, nu2: f64) {
+        let n = held.n_contact_dofs();
+        let modes = &held.modes;
         let passed = modes.partition_point(|m| m.lambda < nu2);
         let resonance = |k: &usize| modes[*k].s / (modes[*k].lambda - nu2).abs();
         let neighbours = passed.saturating_sub(1)..(passed + 1).min(modes.len());
         let nearest = neighbours.max_by(|i, j| resonance(i).total_cmp(&resonance(j)));
-        let Some(nearest) = nearest else { return self.set_static(structure) };
-        self.poles = structure.sums.same[nearest].clone();
+        let Some(nearest) = nearest else { return self.set_static(held) };
+        self.poles = held.sums.same[nearest].clone();
         if n == 1 && self.poles.len() == 1 && !self.with_next_term {
-            return self.set_scalars(structure, nu2, passed);
+            return self.set_scalars(held, nu2, passed);
         }
-        self.regular_part(structure, nu2);
-        self.take_poles_out(structure, nu2, passed);
+        self.regular_part(held, nu2);
+        self.take_poles_out(held, nu2, passed);
         self.take_difference();
     }
 
@@ -114,8 +114,8 @@ impl Plane {
     }
 
     /// The same for one contact degree of freedom, where `h g = s`, in a fraction of the instructions.
-    fn set_scalars(&mut self, structure: &CondensedStructure, nu2: f64, passed: usize) {
-        let (sums, mode) = (&structure.sums, &structure.modes[self.poles.start]);
+    fn set_scalars(&mut self, held: &Held, nu2: f64, passed: usize) {
+        let (sums, mode) = (&held.sums, &held.modes[self.poles.start]);
         sums.at(nu2, &self.poles, &mut self.sums);
         let (static_response, slope) = (sums.k_nn_inverse[0], sums.residual_transfer[0]);
         // F = T_0 + …, of which 1 − F is small beside a stiff contact node.
@@ -135,8 +135,8 @@ impl Plane {
     }
 
     /// `A`, `B = A F + …` and their slopes: row `i` is that of `I` or `F` with `h_i` times a row of the mode.
-    fn take_poles_out(&mut self, structure: &CondensedStructure, nu2: f64, passed: usize) {
-        let (n, modes) = (structure.n_contact_dofs(), &structure.modes);
+    fn take_poles_out(&mut self, held: &Held, nu2: f64, passed: usize) {
+        let (n, modes) = (held.n_contact_dofs(), &held.modes);
         let below = self.poles.clone().filter(|&p| modes[p].lambda < nu2).count();
         // Each pole passed turns the sign of det(I − T …); with those of δ it keeps its own.
         let mut sign = if (passed + below).is_multiple_of(2) { 1.0 } else { -1.0 };
@@ -169,8 +169,8 @@ impl Plane {
     }
 
     /// `F = T − Σ_p h_p g_p/(λ_p − ν²)` and its derivative; the terms of the poles leave only their static share.
-    fn regular_part(&mut self, structure: &CondensedStructure, nu2: f64) {
-        let (n, sums) = (structure.n_contact_dofs(), &structure.sums);
+    fn regular_part(&mut self, held: &Held, nu2: f64) {
+        let (n, sums) = (held.n_contact_dofs(), &held.sums);
         self.df.copy_from_slice(&sums.residual_transfer);
         self.f.iter_mut().zip(&sums.t0).zip(&self.df).for_each(|((f, t0), slope)| *f = t0 + nu2 * slope);
         if self.with_next_term {
@@ -183,7 +183,7 @@ impl Plane {
         sums.at(nu2, &self.poles, &mut self.sums);
         sums.add_static_response(nu2, &self.sums.s1, &mut self.f);
         sums.add_static_response(1.0, &self.sums.s2, &mut self.df);
-        for mode in &structure.modes[self.poles.clone()] {
+        for mode in &held.modes[self.poles.clone()] {
             for (f, h) in self.f.chunks_exact_mut(n).zip(&mode.h) {
                 f.iter_mut().zip(&mode.g).for_each(|(f, g)| *f -= h * g / mode.lambda);
             }
@@ -198,6 +198,7 @@ fn identity(m: &mut [f64], n: usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::CondensedStructure;
     use nlmodes_linalg::sparse_from_triplets;
     use nlmodes_model::{Contact, Dof, DofKind, Drop, MasslessContactModel, Side, StructuralModel};
 
@@ -239,7 +240,7 @@ mod tests {
     fn at(structure: &CondensedStructure, nu2: f64, with_next_term: bool) -> Plane {
         let mut plane = Plane::new(structure.n_contact_dofs());
         plane.with_next_term = with_next_term;
-        plane.set(structure, nu2);
+        plane.set(&structure.held, nu2);
         plane
     }
 
@@ -255,7 +256,7 @@ mod tests {
                 let plane = at(&structure, nu2, false);
                 let transfer = |i: usize, j: usize| {
                     let of = |m: &crate::HeldMode| nu2 / (m.lambda * (m.lambda - nu2)) * m.h[i] * m.g[j];
-                    structure.sums.t0[i * n + j] + structure.modes().iter().map(of).sum::<f64>()
+                    structure.held.sums.t0[i * n + j] + structure.modes().iter().map(of).sum::<f64>()
                 };
                 for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
                     let terms: Vec<f64> = (0..n).map(|k| plane.a[i * n + k] * transfer(k, j)).collect();

@@ -12,7 +12,6 @@ mod found;
 mod histories;
 mod homotopy;
 mod left;
-mod open_mode;
 mod participation;
 mod periodic;
 mod points;

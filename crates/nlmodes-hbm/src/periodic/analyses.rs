@@ -6,12 +6,13 @@ use super::block::LinearResponse;
 use super::closing_equations::{EnergyGiven, PhaseCondition, PhaseLag};
 use super::contact_response::ContactResponse;
 use super::directions::Directions;
+use super::held_response::HeldResponse;
 use super::load::Load;
 use super::modal_response::ModalResponse;
 use super::operating_point::{Closing, Source};
 use super::structure::ModalStructure;
 use super::system::{PeriodicSettings, PeriodicSystem};
-use crate::{HbmError, Scales, Symmetry};
+use crate::{CondensedStructure, HbmError, MixedShootingSettings, Scales, Symmetry};
 
 /// The unknowns that stand for the linear structure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -78,12 +79,40 @@ impl PeriodicSystem {
         solver: &dyn LcpSolver,
     ) -> Result<Self, HbmError> {
         let undamped = Arc::new(structure.conservative()?);
-        let closing = match symmetry {
-            Symmetry::Even => Closing { xi: Source::Fixed(0.0), ..free_motion(scales, vec![Box::new(energy(scales))]) },
-            Symmetry::None => free_motion(scales, vec![Box::new(energy(scales)), Box::<PhaseCondition>::default()]),
-        };
+        let closing = conservative(symmetry, scales, energy(scales));
         let load = Load::none(&undamped);
         Self::assemble(undamped, load, closing, (settings, symmetry), scales, solver)
+    }
+
+    /// The conservative nonlinear mode of a structure with its contacts held, as [`MixedShooting`](crate::MixedShooting)
+    /// has it.
+    ///
+    /// # Errors
+    /// As [`conservative_mode`](Self::conservative_mode).
+    pub(crate) fn held_mode(
+        structure: &CondensedStructure,
+        settings: MixedShootingSettings,
+        scales: Scales,
+        solver: &dyn LcpSolver,
+    ) -> Result<Self, HbmError> {
+        let closing = conservative(settings.symmetry, scales, energy(scales));
+        Self::held(structure, settings, Load::default(), closing, scales, solver)
+    }
+
+    /// Motions of a structure with its contacts held.
+    pub(crate) fn held(
+        structure: &CondensedStructure,
+        settings: MixedShootingSettings,
+        load: Load,
+        closing: Closing,
+        scales: Scales,
+        solver: &dyn LcpSolver,
+    ) -> Result<Self, HbmError> {
+        let MixedShootingSettings { harmonics, symmetry, switching } = settings;
+        let response = HeldResponse::new(structure, symmetry == Symmetry::Even, scales.omega);
+        let settings = PeriodicSettings { harmonics, switching, coordinates: Coordinates::Contact };
+        let contacts = Arc::new(ModalStructure::without_modes(structure));
+        Self::assemble_with(Box::new(response), contacts, load, closing, (settings, symmetry), scales, solver)
     }
 
     /// The damped nonlinear mode (extended periodic motion concept, Krack 2015): `M q̈ + (C − ξ M) q̇ + K q = W λ`,
@@ -186,8 +215,16 @@ impl PeriodicSystem {
     }
 }
 
+/// Frequency, and where the phase is free ξ, beside a condition for the energy.
+pub(crate) fn conservative(symmetry: Symmetry, scales: Scales, energy: EnergyGiven) -> Closing {
+    match symmetry {
+        Symmetry::Even => Closing { xi: Source::Fixed(0.0), ..free_motion(scales, vec![Box::new(energy)]) },
+        Symmetry::None => free_motion(scales, vec![Box::new(energy), Box::<PhaseCondition>::default()]),
+    }
+}
+
 fn energy(scales: Scales) -> EnergyGiven {
-    EnergyGiven { reference: scales.energy }
+    EnergyGiven { reference: scales.energy, is_fixed: false }
 }
 
 fn free_motion(scales: Scales, equations: Vec<Box<dyn super::closing_equations::ClosingEquation>>) -> Closing {

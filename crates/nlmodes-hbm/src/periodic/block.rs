@@ -20,6 +20,8 @@ pub(crate) struct HarmonicBlock {
     pub g: Vec<Complex64>,
     pub residual: Vec<Complex64>,
     pub d_residual: [Vec<Complex64>; 3],
+    /// What is large for a derivative of each row, d.
+    pub sizes: Vec<f64>,
     /// The mode that is kept apart, with `ρ²`, in contact coordinates.
     pub pole: Option<(usize, f64)>,
     pub kinetic: KineticEnergy,
@@ -71,6 +73,13 @@ impl ModalMotion {
 }
 
 impl HarmonicBlock {
+    /// Makes room for as many coordinates as `x` has. Where there is, what was written stays.
+    pub fn take_size(&mut self) {
+        if self.residual.len() != self.x.len() {
+            self.reset();
+        }
+    }
+
     /// Makes room for as many coordinates as `x` has, all else zero.
     pub fn reset(&mut self) {
         let (d, zero) = (self.x.len(), Complex64::default());
@@ -83,6 +92,8 @@ impl HarmonicBlock {
         fill(&mut self.residual, d);
         self.d_residual.iter_mut().for_each(|v| fill(v, d));
         [&mut self.kinetic.by_x, &mut self.kinetic.by_force].into_iter().for_each(|v| fill(v, d));
+        self.sizes.clear();
+        self.sizes.resize(d, 1.0);
         (self.kinetic.value, self.kinetic.by, self.pole) = (0.0, [0.0; 3], None);
     }
 }
@@ -116,6 +127,10 @@ pub(crate) trait LinearResponse {
     /// From now on the equations are those of motions of any phase: where motions are even in time and nothing loads
     /// them they may have other signs.
     fn take_any_phase(&mut self) {}
+
+    /// From now on, or not any more, modes that were left out answer with the next term of their series too, where the
+    /// structure knows it.
+    fn take_next_term(&mut self, _with: bool) {}
 
     /// Writes the block of harmonic `n` for the coordinates and forces in it.
     fn evaluate(&mut self, n: usize, at: OperatingPoint, load: &Load, asked: Asked, block: &mut HarmonicBlock);

@@ -66,6 +66,11 @@ pub trait ClosingEquation: Send {
         false
     }
 
+    /// Told of every point that is evaluated, before it is.
+    fn approached(&mut self, x: &[f64], series: RealSeries) {
+        let _ = (x, series);
+    }
+
     /// Told of every point from which the branch goes on.
     fn accepted(&mut self, x: &[f64], series: RealSeries) {
         let _ = (x, series);
@@ -80,6 +85,8 @@ pub trait ClosingEquation: Send {
 pub struct EnergyGiven {
     /// Energy at the parameter zero, J.
     pub reference: f64,
+    /// The energy is the reference whatever the parameter, which is then something else: `p` is left out.
+    pub is_fixed: bool,
 }
 
 impl ClosingEquation for EnergyGiven {
@@ -88,10 +95,11 @@ impl ClosingEquation for EnergyGiven {
         if !(energy.is_finite() && energy > 0.0) {
             return Err(HbmError::Motion { omega, energy });
         }
+        let [p, by_parameter] = if self.is_fixed { [0.0; 2] } else { [motion.p, -1.0] };
         Ok(Functional {
-            value: (energy / self.reference).ln() - motion.p,
+            value: (energy / self.reference).ln() - p,
             by_energy: 1.0 / energy,
-            by_parameter: -1.0,
+            by_parameter,
             ..Functional::default()
         })
     }
@@ -105,7 +113,8 @@ impl ClosingEquation for EnergyGiven {
     }
 }
 
-/// `Σ n (c_n s̄_n − s_n c̄_n) = 0`: the phase of the last accepted point is held.
+/// `Σ n (c_n s̄_n − s_n c̄_n) = 0`: the phase of the last accepted point is held, and before any is accepted that of the
+/// one evaluated first.
 #[derive(Debug, Clone, Default)]
 pub struct PhaseCondition {
     weights: Vec<f64>,
@@ -116,6 +125,12 @@ impl ClosingEquation for PhaseCondition {
         let mut x = self.weights.clone();
         x.resize(motion.x.len(), 0.0);
         Ok(Functional { value: inner(&x, motion.x), x, ..Functional::default() })
+    }
+
+    fn approached(&mut self, x: &[f64], series: RealSeries) {
+        if self.weights.is_empty() {
+            self.accepted(x, series);
+        }
     }
 
     fn accepted(&mut self, x: &[f64], series: RealSeries) {

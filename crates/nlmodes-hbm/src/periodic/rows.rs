@@ -1,3 +1,4 @@
+use nlmodes_continuation::Linearization;
 use nlmodes_linalg::Mat;
 use num_complex::Complex64;
 
@@ -45,14 +46,16 @@ impl Assembly {
         }
     }
 
-    /// Residual, over `unit`, and rows of harmonic `n`.
-    pub fn rows_of(&mut self, n: usize, block: &HarmonicBlock, unit: f64, residual: &mut [f64]) {
+    /// Residual, over `unit`, sizes and rows of harmonic `n`.
+    pub fn rows_of(&mut self, n: usize, block: &HarmonicBlock, unit: f64, out: &mut Linearization) {
         let (d, width, size) = (self.coordinates, self.series.width(), self.size());
         let sine = self.series.sine(n);
         for i in 0..d {
-            residual[i * width + n] = block.residual[i].re / unit;
+            out.residual[i * width + n] = block.residual[i].re / unit;
+            out.sizes[i * width + n] = block.sizes[i];
             if let Some(sine) = sine {
-                residual[i * width + sine] = -block.residual[i].im / unit;
+                out.residual[i * width + sine] = -block.residual[i].im / unit;
+                out.sizes[i * width + sine] = block.sizes[i];
             }
             for (m, is_sine) in std::iter::once((n, false)).chain(sine.map(|s| (s, true))) {
                 let row = &mut self.rows[(i * width + m) * size..][..size];
@@ -60,7 +63,8 @@ impl Assembly {
                 for e in 0..d {
                     let (l, g) = (block.l[i * d + e], block.g[i * d + e]);
                     // Factors of the cosine and of the sine coefficient in this row.
-                    let [of_l, of_g] = [l, g].map(|z| if is_sine { [-z.im, z.re] } else { [z.re, z.im] });
+                    let (of_l, of_g) =
+                        if is_sine { ([-l.im, l.re], [-g.im, g.re]) } else { ([l.re, l.im], [g.re, g.im]) };
                     row[e * width + n] += of_l[0];
                     subtract(row, of_g[0], &self.forces[(e * width + n) * size..][..size]);
                     if let Some(sine) = sine {
@@ -109,12 +113,19 @@ impl Assembly {
 
 /// Complex amplitudes of harmonic `n` of many series, one after the other.
 pub(crate) fn complex_harmonic(series: RealSeries, real: &[f64], n: usize) -> Vec<Complex64> {
-    harmonics_of(series, real, n).collect()
+    let mut all = Vec::new();
+    write_harmonic(series, real, n, &mut all);
+    all
 }
 
-pub(crate) fn harmonics_of(series: RealSeries, real: &[f64], n: usize) -> impl Iterator<Item = Complex64> {
-    let sine = series.sine(n);
-    real.chunks(series.width()).map(move |c| Complex64::new(c[n], -sine.map_or(0.0, |s| c[s])))
+/// Writes the complex amplitudes of harmonic `n` of many series, one after the other.
+pub(crate) fn write_harmonic(series: RealSeries, real: &[f64], n: usize, to: &mut Vec<Complex64>) {
+    let (width, sine) = (series.width(), series.sine(n));
+    to.resize(real.len() / width, Complex64::default());
+    for (k, z) in to.iter_mut().enumerate() {
+        z.re = real[k * width + n];
+        z.im = sine.map_or(0.0, |sine| -real[k * width + sine]);
+    }
 }
 
 /// Adds weights `w` of complex amplitudes, of which `Re(w z)` counts, times `factor` to those of the real coefficients.

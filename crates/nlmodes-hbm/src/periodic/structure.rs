@@ -4,7 +4,7 @@ use num_complex::Complex64;
 
 use super::damping::ModalDamping;
 use super::law::PlacedLaw;
-use crate::HbmError;
+use crate::{CondensedStructure, HbmError};
 
 /// A damped structure in open modes, with the static flexibility of what they leave over at the contacts.
 ///
@@ -104,6 +104,24 @@ impl ModalStructure {
         };
         structure.silence_modes_at_rest();
         Ok(structure)
+    }
+
+    /// Contacts, stops and gaps alone, of a structure whose motion is told otherwise.
+    pub(crate) fn without_modes(structure: &CondensedStructure) -> Self {
+        let (body, c) = (&structure.body, structure.n_contacts());
+        Self {
+            inertia: Vec::new(),
+            damped: Vec::new(),
+            omega_squared: Vec::new(),
+            rows: Mat::zeros(c, 0),
+            compliance: body.matrix().clone(),
+            stop_compliance: structure.model.stop_compliance(),
+            gaps: body.gaps().to_vec(),
+            damping: ModalDamping::none(0),
+            laws: Vec::new(),
+            law_samples: 0,
+            steady_force: Vec::new(),
+        }
     }
 
     /// The same structure with other gaps, m, c.

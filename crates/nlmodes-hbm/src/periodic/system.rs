@@ -10,7 +10,7 @@ use super::closing_equations::{Functional, Motion};
 use super::law::LawOperator;
 use super::load::Load;
 use super::operating_point::{Closing, Column, OperatingPoint};
-use super::rows::{Assembly, add_weights, complex_harmonic, harmonics_of};
+use super::rows::{Assembly, add_weights, complex_harmonic, write_harmonic};
 use super::structure::ModalStructure;
 use crate::energy::inner;
 use crate::{ContactOperator, HbmError, MAX_HARMONICS, RealSeries, Scales, Switching, Symmetry};
@@ -76,6 +76,20 @@ impl PeriodicSystem {
         scales: Scales,
         solver: &dyn LcpSolver,
     ) -> Result<Self, HbmError> {
+        let response = settings.coordinates.response(&structure, symmetry == Symmetry::Even);
+        Self::assemble_with(response, structure, load, closing, (settings, symmetry), scales, solver)
+    }
+
+    /// As [`assemble`](Self::assemble), with a linear structure of its own, of which `structure` has contacts and laws.
+    pub(crate) fn assemble_with(
+        response: Box<dyn LinearResponse + Send>,
+        structure: Arc<ModalStructure>,
+        load: Load,
+        closing: Closing,
+        (settings, symmetry): (PeriodicSettings, Symmetry),
+        scales: Scales,
+        solver: &dyn LcpSolver,
+    ) -> Result<Self, HbmError> {
         let harmonics = settings.harmonics;
         if harmonics == 0 || harmonics > MAX_HARMONICS {
             return Err(HbmError::Harmonics { found: harmonics, most: MAX_HARMONICS });
@@ -84,7 +98,6 @@ impl PeriodicSystem {
             return Err(HbmError::LoadBeyond { load: load.highest_harmonic(), harmonics });
         }
         let series = RealSeries { symmetry, n_harmonics: harmonics };
-        let response = settings.coordinates.response(&structure, symmetry == Symmetry::Even);
         let (c, d) = (structure.n_contacts(), response.n_coordinates());
         let gap_map = (0..c).flat_map(|i| (0..d).map(move |j| (i, j))).map(|(i, j)| response.gap_row(i, j)).collect();
         if !(structure.laws().is_empty() || structure.damping().is_diagonal()) {
@@ -226,8 +239,7 @@ impl PeriodicSystem {
         for n in 0..=series.n_harmonics {
             let block = &mut self.blocks[n];
             for (to, from) in [(&mut block.x, &coefficients), (&mut block.force, &generalised)] {
-                to.clear();
-                to.extend(harmonics_of(series, from, n));
+                write_harmonic(series, from, n, to);
             }
             self.response.evaluate(n, at, &self.load, asked, block);
         }
@@ -433,9 +445,11 @@ impl ParametricSystem for PeriodicSystem {
     }
 
     fn linearize(&mut self, x: &[f64], p: f64, out: &mut Linearization) -> Result<(), HbmError> {
+        let (size, series) = (self.n_coefficients(), self.series());
+        self.closing.equations.iter_mut().for_each(|e| e.approached(&x[..size], series));
         let at = self.solve(x, p)?;
         self.differentiate_forces();
-        let (size, dim, unit) = (self.n_coefficients(), self.dim(), self.unit());
+        let (dim, unit) = (self.dim(), self.unit());
         // The columns behind those of the coefficients, of which not every entry is written below.
         (size..=dim).for_each(|j| out.jacobian.col_mut(j).fill(0.0));
         let slopes = self.scalar_columns(p);
@@ -444,10 +458,10 @@ impl ParametricSystem for PeriodicSystem {
         let mut generalised_by = [0, 1, 2].map(|t| self.generalised(&forces_by[t]));
         self.add_reactions(1, &mut generalised_by[0]);
         for n in 0..self.blocks.len() {
-            self.assembly.rows_of(n, &self.blocks[n], unit, &mut out.residual);
+            self.assembly.rows_of(n, &self.blocks[n], unit, out);
             for (t, slope) in slopes.iter().enumerate() {
                 let Some((column, slope)) = slope else { continue };
-                let force = complex_harmonic(self.operator.series(), &generalised_by[t], n);
+                let force = complex_harmonic(series, &generalised_by[t], n);
                 self.assembly.scalar_column(n, &self.blocks[n], t, &force, slope / unit, *column, &mut out.jacobian);
             }
         }

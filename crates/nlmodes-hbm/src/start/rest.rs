@@ -96,7 +96,7 @@ impl Rest {
         };
         let place = |d: usize| pulled[d] + of(d, &pressed, &found.forces) + of(d, &motions, &found.motion);
         let q: Vec<f64> = (0..n).map(place).collect();
-        let b: Vec<f64> = free_places(structure, &q).iter().zip(&structure.statics.lift).map(|(b, l)| b + l).collect();
+        let b: Vec<f64> = free_places(structure, &q).iter().zip(&structure.held.lift).map(|(b, l)| b + l).collect();
         let noise = ROUNDING * max_norm(b.iter().chain(&gaps).copied());
         // ½ qᵀ S q − fᵀ u + ½ λᵀ C λ, where S q = W λ + Ψᵀ f_L and gaps of closed contacts vanish.
         let work = |forces: &[f64], along: &[f64]| forces.iter().zip(along).map(|(f, q)| f * q).sum::<f64>();

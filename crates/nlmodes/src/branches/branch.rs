@@ -169,15 +169,9 @@ impl ComputedBranch {
     /// If there is no such point.
     pub fn problem(&self, point: usize) -> Result<MixedShooting<'_>, BranchError> {
         match self.settings.method {
-            BranchMethod::HarmonicBalance if self.is_in_open_modes()? => Err(BranchError::NotHarmonic),
             BranchMethod::HarmonicBalance => problem(&self.structure, &self.settings_at(point), &self.grazing),
             BranchMethod::Shooting => Err(BranchError::NotHarmonic),
         }
-    }
-
-    /// Whether its unknowns are open modes.
-    fn is_in_open_modes(&self) -> Result<bool, BranchError> {
-        Ok(periodic(&self.structure, &self.settings, &self.grazing)?.is_modal())
     }
 
     /// Whether its motions are exact, by shooting.

@@ -6,7 +6,6 @@ use nlmodes_modal::{ClosedSpan, HarmonicCoefficients, ModalPoint, TimeHistory};
 use nlmodes_timestep::{ModeShooting, TimestepError};
 use thiserror::Error;
 
-use super::open_mode::OpenMode;
 use super::{BranchSettings, Ended, Watch};
 
 /// Why a periodic problem cannot be evaluated.
@@ -33,7 +32,6 @@ pub(super) struct Periodic<'s> {
 enum Equations<'s> {
     Harmonics(Box<MixedShooting<'s>>),
     Exact(Box<ModeShooting>),
-    Modal(Box<OpenMode>),
 }
 
 impl<'s> Periodic<'s> {
@@ -45,20 +43,10 @@ impl<'s> Periodic<'s> {
         Self { equations: Equations::Exact(Box::new(problem)), watch: settings.watch.clone() }
     }
 
-    /// In the open modes of a structure, whatever the number of its contacts.
-    pub fn modal(problem: OpenMode, settings: &BranchSettings) -> Self {
-        Self { equations: Equations::Modal(Box::new(problem)), watch: settings.watch.clone() }
-    }
-
-    /// Whether the unknowns are open modes.
-    pub fn is_modal(&self) -> bool {
-        matches!(self.equations, Equations::Modal(_))
-    }
-
     /// The exact problem, if it is one.
     pub fn shooting(&mut self) -> Option<&mut ModeShooting> {
         match &mut self.equations {
-            Equations::Harmonics(_) | Equations::Modal(_) => None,
+            Equations::Harmonics(_) => None,
             Equations::Exact(problem) => Some(problem),
         }
     }
@@ -66,12 +54,8 @@ impl<'s> Periodic<'s> {
     /// Unknowns at grazing and the direction of growing amplitude.
     pub fn start(&self, grazing: &Grazing) -> (Vec<f64>, Vec<f64>) {
         match &self.equations {
-            Equations::Harmonics(problem) => {
-                let (series, dim) = (problem.series(), problem.dim());
-                (grazing.unknowns(series, dim), grazing.direction(series, dim))
-            }
+            Equations::Harmonics(problem) => problem.start(grazing),
             Equations::Exact(problem) => problem.start(),
-            Equations::Modal(problem) => problem.start(),
         }
     }
 
@@ -79,7 +63,7 @@ impl<'s> Periodic<'s> {
     pub fn harmonics(&self) -> Option<&MixedShooting<'s>> {
         match &self.equations {
             Equations::Harmonics(problem) => Some(problem),
-            Equations::Exact(_) | Equations::Modal(_) => None,
+            Equations::Exact(_) => None,
         }
     }
 
@@ -88,7 +72,6 @@ impl<'s> Periodic<'s> {
         match &self.equations {
             Equations::Harmonics(problem) => problem.frequency_index(),
             Equations::Exact(problem) => problem.frequency_index(),
-            Equations::Modal(problem) => problem.frequency_index(),
         }
     }
 
@@ -97,7 +80,6 @@ impl<'s> Periodic<'s> {
         match &self.equations {
             Equations::Harmonics(problem) => problem.omega(x),
             Equations::Exact(problem) => problem.omega(x),
-            Equations::Modal(problem) => problem.omega(x),
         }
     }
 
@@ -106,7 +88,6 @@ impl<'s> Periodic<'s> {
         match &self.equations {
             Equations::Harmonics(problem) => problem.contact_iterations(),
             Equations::Exact(_) => 0,
-            Equations::Modal(problem) => problem.system.contact_iterations(),
         }
     }
 
@@ -115,7 +96,6 @@ impl<'s> Periodic<'s> {
         Ok(match &mut self.equations {
             Equations::Harmonics(problem) => problem.modal_point(x, residual)?,
             Equations::Exact(problem) => problem.modal_point(x, residual)?,
-            Equations::Modal(problem) => problem.system.modal_point(x, &problem.contacts, residual)?,
         })
     }
 
@@ -131,8 +111,8 @@ impl<'s> Periodic<'s> {
         }
         Ok(match &mut self.equations {
             Equations::Harmonics(problem) => problem.modal_coordinates(x, onto)?,
-            // Exact motions, and those in open modes, are those of all degrees of freedom.
-            Equations::Exact(_) | Equations::Modal(_) => HarmonicCoefficients::zeros(0, 0),
+            // Exact motions are those of all degrees of freedom.
+            Equations::Exact(_) => HarmonicCoefficients::zeros(0, 0),
         })
     }
 
@@ -146,7 +126,6 @@ impl<'s> Periodic<'s> {
         Ok(match &mut self.equations {
             Equations::Harmonics(problem) => problem.time_histories(x, samples, label)?,
             Equations::Exact(problem) => problem.time_histories(x, samples, label)?,
-            Equations::Modal(problem) => problem.system.time_histories(x, &problem.contacts, samples, label)?,
         })
     }
 
@@ -163,7 +142,6 @@ impl<'s> Periodic<'s> {
                 let each = 0..problem.n_contacts();
                 each.map(|i| problem.time_history(x, i, samples, label)).collect::<Result<_, _>>()?
             }
-            Equations::Modal(problem) => problem.system.equidistant_histories(x, &problem.contacts, samples, label)?,
         })
     }
 
@@ -173,7 +151,6 @@ impl<'s> Periodic<'s> {
         Ok(match &mut self.equations {
             Equations::Harmonics(problem) => Some(problem.closed_spans(x)?),
             Equations::Exact(_) => None,
-            Equations::Modal(problem) => Some(problem.system.closed_spans(x)?),
         })
     }
 
@@ -188,7 +165,6 @@ impl<'s> Periodic<'s> {
         Ok(match &mut self.equations {
             Equations::Harmonics(problem) => problem.time_history(x, contact, samples, label)?,
             Equations::Exact(problem) => problem.time_history(x, contact, samples, label)?,
-            Equations::Modal(problem) => problem.system.time_history(x, &problem.contacts, contact, samples, label)?,
         })
     }
 }
@@ -200,7 +176,6 @@ impl ParametricSystem for Periodic<'_> {
         match &self.equations {
             Equations::Harmonics(problem) => problem.dim(),
             Equations::Exact(problem) => problem.dim(),
-            Equations::Modal(problem) => problem.system.dim(),
         }
     }
 
@@ -209,7 +184,6 @@ impl ParametricSystem for Periodic<'_> {
         match &mut self.equations {
             Equations::Harmonics(problem) => Ok(problem.linearize(x, p, out)?),
             Equations::Exact(problem) => Ok(problem.linearize(x, p, out)?),
-            Equations::Modal(problem) => Ok(problem.system.linearize(x, p, out)?),
         }
     }
 
@@ -221,14 +195,12 @@ impl ParametricSystem for Periodic<'_> {
         match &self.equations {
             Equations::Harmonics(problem) => problem.pattern(),
             Equations::Exact(problem) => problem.pattern(),
-            Equations::Modal(problem) => problem.system.pattern(),
         }
     }
 
     fn pattern_at(&mut self, z: &[f64]) -> Option<u64> {
         match &mut self.equations {
             Equations::Harmonics(problem) => problem.pattern_at(z),
-            Equations::Modal(problem) => problem.system.pattern_at(z),
             Equations::Exact(_) => None,
         }
     }
@@ -236,7 +208,6 @@ impl ParametricSystem for Periodic<'_> {
     fn boundary(&mut self, from: &[f64], to: &[f64]) -> Option<Boundary> {
         match &mut self.equations {
             Equations::Harmonics(problem) => problem.boundary(from, to),
-            Equations::Modal(problem) => problem.system.boundary(from, to),
             // Halving finds its changes.
             Equations::Exact(_) => None,
         }
@@ -246,7 +217,6 @@ impl ParametricSystem for Periodic<'_> {
         match &mut self.equations {
             Equations::Harmonics(problem) => problem.accepted(x, p),
             Equations::Exact(problem) => problem.accepted(x, p),
-            Equations::Modal(problem) => problem.system.accepted(x, p),
         }
     }
 }

@@ -7,10 +7,9 @@ use nlmodes_continuation::{AtBranchPoint, Bound, Continuation, StepSettings};
 use nlmodes_hbm::{
     CondensedStructure, Grazing, MixedShooting, MixedShootingSettings, Symmetry, TruncationEstimator, grazing_opened,
 };
-use nlmodes_model::MasslessContactModel;
+use nlmodes_model::{ContactCoordinates, DofKind, MasslessContactModel};
 use nlmodes_timestep::{GalerkinReduction, MAX_SHOOTING_MODES, ModeShooting, TimestepError};
 
-use super::open_mode::OpenMode;
 use super::periodic::Periodic;
 use super::{BranchError, BranchMethod, BranchPointRule, BranchSettings, BranchStart};
 
@@ -28,6 +27,9 @@ const ALL_HELD_MODES: usize = 400;
 
 /// No more are computed at first where not all are: how far they reach tells how many it takes.
 const MOST_HELD_MODES_AT_FIRST: usize = 64;
+
+/// Up to so many directions the motions of the contacts are the unknowns, not the open modes.
+const FEW_DIRECTIONS: usize = 8;
 
 /// What is done before a branch begins.
 const LINEAR_MODES: &str = "computing linear modes";
@@ -99,10 +101,7 @@ pub(super) fn periodic<'s>(
     start: &Grazing,
 ) -> Result<Periodic<'s>, BranchError> {
     Ok(match settings.method {
-        BranchMethod::HarmonicBalance => match OpenMode::of(structure, settings, start)? {
-            Some(problem) => Periodic::modal(problem, settings),
-            None => Periodic::in_harmonics(problem(structure, settings, start)?, settings),
-        },
+        BranchMethod::HarmonicBalance => Periodic::in_harmonics(problem(structure, settings, start)?, settings),
         BranchMethod::Shooting => Periodic::exact(exact(structure.model(), settings, start)?, settings),
     })
 }
@@ -135,7 +134,25 @@ pub(super) fn problem<'s>(
     start: &Grazing,
 ) -> Result<MixedShooting<'s>, BranchError> {
     let solver = solver_by_name(&settings.contact_solver)?;
-    Ok(MixedShooting::new(structure, harmonic_settings(settings), start.scales(), solver.as_ref())?)
+    let (method, scales) = (harmonic_settings(settings), start.scales());
+    Ok(if suits_open_modes(structure.model(), settings) {
+        MixedShooting::in_open_modes(structure, settings.mode, method, scales, solver.as_ref())?
+    } else {
+        MixedShooting::new(structure, method, scales, solver.as_ref())?
+    })
+}
+
+/// Whether the structure is one in open modes with many contacts, all of them open at rest, and nothing is asked for
+/// that only motions of the contacts as unknowns have.
+fn suits_open_modes(model: &MasslessContactModel, settings: &BranchSettings) -> bool {
+    let dofs = model.dofs();
+    model.contact_coordinates() == ContactCoordinates::Nodes
+        && model.contact_dofs().len() > FEW_DIRECTIONS
+        && model.linear_dofs().iter().all(|&i| dofs[i].kind == DofKind::Modal)
+        && model.contacts().iter().all(|contact| contact.gap > 0.0)
+        && model.steady_force().is_none()
+        && settings.accuracy.is_none()
+        && settings.held_modes.is_none()
 }
 
 pub(super) fn estimator<'s>(

@@ -132,8 +132,6 @@ pub(super) fn seed(
             let direction = along((&*problem).into(), start, target, upward);
             Ok(Seed { x, p, direction, harmonics: settings.harmonics })
         }
-        // With fewer harmonics the motions of the contacts would be the unknowns.
-        Err(error) if other.is_modal() => Err(error),
         Err(_) => refined(structure, settings, start, target, upward, log),
     }
 }

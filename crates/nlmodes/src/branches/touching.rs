@@ -3,8 +3,9 @@
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
+use nlmodes_contact::solver_by_name;
 use nlmodes_continuation::{Bound, Continuation, ParametricSystem, RunLog, StopReason, Watched};
-use nlmodes_hbm::{CondensedStructure, Grazing, RealSeries};
+use nlmodes_hbm::{CondensedStructure, Grazing, RealSeries, ShrinkingGaps};
 
 use super::homotopy::{self, Effort};
 use super::periodic::Periodic;
@@ -163,13 +164,15 @@ fn close(
     start: &Grazing,
     log: &mut dyn RunLog,
 ) -> Result<(Vec<f64>, RealSeries), BranchError> {
-    let mut problem = problem(structure, settings, start)?;
+    let problem = problem(structure, settings, start)?;
     let (series, dim, frequency) = (problem.series(), problem.dim(), problem.frequency_index());
+    let solver = solver_by_name(&settings.contact_solver)?;
+    let mut closing =
+        ShrinkingGaps::new(structure, problem.settings(), start.scales(), &start.opening, solver.as_ref())?;
     let bounds = vec![Bound { coordinate: dim, min: 0.0, max: 1.5 }];
     let method = Continuation { step: settings.step.clone(), bounds, max_points: MOST, ..Continuation::default() };
     let mut direction = vec![0.0; dim + 1];
     direction[dim] = -1.0;
-    let mut closing = problem.shrinking_gaps(&start.opening);
     let mut closing = Watched { system: &mut closing, watch: &settings.watch };
     let x = start.unknowns(series, dim);
     let branch = method

@@ -7,8 +7,8 @@ use crate::unknowns::{SYMMETRIES, support};
 use nlmodes_continuation::conformance::jacobian_defect;
 use nlmodes_continuation::{Bound, Continuation, Linearization, ParametricSystem};
 use nlmodes_hbm::{
-    Coordinates, MixedShooting, MixedShootingSettings, ModalDamping, PeriodicSystem, Scales, Switching, Symmetry,
-    grazing_opened, modal_grazing,
+    Coordinates, MixedShooting, MixedShootingSettings, ModalDamping, PeriodicSystem, Scales, ShrinkingGaps, Switching,
+    Symmetry, grazing_opened, modal_grazing,
 };
 use nlmodes_model::{Contact, Dof, DofContact, DofKind, Side, StructuralModel};
 
@@ -169,13 +169,16 @@ fn the_way_to_contacts_that_touch_at_rest_is_smooth_and_begins_and_ends_as_it_is
             x[size..].iter_mut().zip([1.06, 0.02]).for_each(|(x, given)| *x = given);
             let mut at = Linearization::new(n);
             {
-                let mut way = problem.shrinking_gaps(&start.opening);
+                let (scales, solver) = (start.scales(), solver());
+                let mut way =
+                    ShrinkingGaps::new(&structure, settings, scales, &start.opening, solver.as_ref()).unwrap();
                 for s in [0.9, 0.3] {
                     let defect = jacobian_defect(&mut way, &x, s, 1e-6).unwrap();
                     assert!(defect < 1e-6, "{symmetry:?} {s}: {defect:e}");
                 }
                 let begin = start.unknowns(series, n);
                 way.accepted(&begin, 1.0);
+                problem.accepted(&begin, 0.0);
                 way.linearize(&begin, 1.0, &mut at).unwrap();
                 assert!(at.residual_norm() < 1e-9, "{symmetry:?}: {:e}", at.residual_norm());
                 way.linearize(&x, 0.0, &mut at).unwrap();
