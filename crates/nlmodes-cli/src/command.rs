@@ -1,6 +1,8 @@
 //! Dispatch of the command line.
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser};
@@ -21,9 +23,25 @@ use crate::options::RunOptions;
 use crate::terminal::{print, refuse, refuse_run, wants_colours};
 use crate::{Status, at, compare, design, extract, lcp, modes, new, run, settle, study, verify};
 
-/// Parses the command line and executes it. Wrong calls end here with status 2.
+/// By which the program was called, where that is a file.
+static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
+
+/// Path of the program, for scripts that call it again.
+pub(crate) fn program() -> PathBuf {
+    PROGRAM.get().cloned().or_else(|| std::env::current_exe().ok()).unwrap_or_else(|| "nlmodes-cli".into())
+}
+
+/// Parses the arguments of the process and executes the command. Wrong calls end the process with status 2.
 pub fn run() -> Status {
-    match CommandLine::try_parse().unwrap_or_else(|error| said_better(error).exit()).command {
+    run_with(std::env::args_os().collect())
+}
+
+/// As [`run`], with these arguments, of which the first one is the name of the program.
+pub fn run_with(arguments: Vec<OsString>) -> Status {
+    let called = arguments.first().map(PathBuf::from).filter(|path| path.is_absolute() && path.is_file());
+    called.into_iter().for_each(|path| _ = PROGRAM.set(path));
+    let parsed = CommandLine::try_parse_from(&arguments);
+    match parsed.unwrap_or_else(|error| said_better(error, &arguments).exit()).command {
         Command::Run { scene, out, options } => {
             with(&scene, out, scenes::load_to_run, |scene| run::run(scene, options))
         }
@@ -76,7 +94,7 @@ pub fn run() -> Status {
 /// For a scene in place of a command, `run` is suggested; for an unknown command a similar one only if it is a likely
 /// typing error: clap's own guesses go further. An unknown option is not a value either; `at` lists the quantities that
 /// it accepts.
-fn said_better(mut error: clap::Error) -> clap::Error {
+fn said_better(mut error: clap::Error, arguments: &[OsString]) -> clap::Error {
     if error.kind() == ErrorKind::InvalidSubcommand {
         let typed = match error.get(ContextKind::InvalidSubcommand) {
             Some(ContextValue::String(typed)) => typed.clone(),
@@ -97,7 +115,7 @@ fn said_better(mut error: clap::Error) -> clap::Error {
     }
     if error.kind() == ErrorKind::UnknownArgument {
         error.remove(ContextKind::Suggested);
-        let is_at = std::env::args().nth(1).is_some_and(|command| command == "at");
+        let is_at = arguments.get(1).is_some_and(|command| command == "at");
         if is_at && error.get(ContextKind::SuggestedArg).is_none() {
             error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![at::PLACES.into()]));
         }

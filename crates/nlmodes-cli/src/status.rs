@@ -11,12 +11,19 @@ pub enum Status {
     Wrong,
 }
 
+impl Status {
+    /// The exit status of the process.
+    pub fn code(self) -> u8 {
+        match self {
+            Self::Done => 0,
+            Self::EndedEarly => 1,
+            Self::Wrong => 2,
+        }
+    }
+}
+
 impl From<Status> for ExitCode {
     fn from(status: Status) -> Self {
-        match status {
-            Status::Done => Self::from(0),
-            Status::EndedEarly => Self::from(1),
-            Status::Wrong => Self::from(2),
-        }
+        Self::from(status.code())
     }
 }

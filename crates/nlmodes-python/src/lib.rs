@@ -5,6 +5,7 @@
 //! | --- | --- |
 //! | `run` | a scene of any kind: structure, records, virtual test |
 //! | `check`, `linear_frequencies`, `schema`, `columns` | what can be said before that |
+//! | `command` | the command line |
 //! | `verify` | one period of the full structure from a computed point |
 //! | `Series` | contact problems |
 //! | `trace` | branches of `R(x, p) = 0` with functions of Python |
@@ -15,6 +16,7 @@
 //! becomes an error.
 
 mod check;
+mod command;
 mod contact;
 mod continuation;
 mod errors;
@@ -31,6 +33,8 @@ mod verify;
 mod _native {
     #[pymodule_export]
     use crate::check::{check, columns, linear_frequencies, schema};
+    #[pymodule_export]
+    use crate::command::command;
     #[pymodule_export]
     use crate::contact::{Series, conformance_cases};
     #[pymodule_export]
