@@ -15,7 +15,7 @@
 //! | `q̃`, `φ̃_n` | modal amplitude, mode shapes of the harmonics | m·√kg, 1/√kg | [`extraction::ModalFigures`] |
 //! | `δ̃` | modal damping coefficient | 1 | [`extraction::ModalFigures`] |
 //! | `P`, `S`, `Λ` | active and apparent power, mode indicator | W, W, 1 | [`extraction::ExcitationPower`] |
-//! | `ψ`, `θ` | lag of the response, phase of the drive | rad | [`phase_loop::PhaseLockedLoop`] |
+//! | `ψ`, `θ` | lag of the response, phase of the drive | rad | [`nlmodes_loop::PhaseLockedLoop`] |
 //!
 //! ```
 //! use nlmodes_experiment::extraction::{ExtractionSettings, extract};
@@ -38,8 +38,8 @@
 //!
 //! [`records`] reads CSV, Universal File 58 and 58b, WAV, NumPy and TDMS, and writes all but the last. [`extraction`]
 //! makes a modal point of a record, with the uncertainty of each figure and named findings, finds the levels of a long
-//! record, and follows a free decay. [`phase_loop`] is the loop as a function of values,
-//! for a real rig as for a simulated one.
+//! record, and follows a free decay. [`phase_loop`] is [`nlmodes_loop`],
+//! the loop as a function of values, for a real rig as for a simulated one.
 //!
 //! # Main decisions
 //! - Fourier coefficients are those of a least squares fit of all harmonics at once: a sampling rate is no multiple of
@@ -54,5 +54,6 @@
 //! Peter, R. I. Leine, ibid. 96 (2017) 139-158.
 
 pub mod extraction;
-pub mod phase_loop;
 pub mod records;
+
+pub use nlmodes_loop as phase_loop;

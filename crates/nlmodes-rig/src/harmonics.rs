@@ -1,8 +1,8 @@
 use std::f64::consts::PI;
 
 use nlmodes_experiment::phase_loop::{
-    AppropriationSettings, AppropriationState, ForceAppropriation, LoopSettings, MAX_HARMONICS, PhaseLoopError,
-    ResponseQuantity,
+    AppropriationSettings, AppropriationState, ForceAppropriation, LoopSettings, MAX_HARMONICS, ModalFilter,
+    PhaseLoopError, ResponseQuantity,
 };
 use nlmodes_experiment::records::Quantity;
 use nlmodes_modal::LinearModes;
@@ -51,8 +51,9 @@ impl HarmonicControl {
         wanted: &ControlledHarmonics,
         transfer: Option<&[Complex64]>,
     ) -> Result<Self, RigError> {
-        let quantities = wanted.channels.iter().map(|&channel| quantity(rig, channel)).collect::<Result<_, _>>()?;
-        let (modes, interval) = (wanted.modes.clone(), rig.setup().interval);
+        let quantities =
+            wanted.channels.iter().map(|&channel| quantity(rig, channel)).collect::<Result<Vec<_>, _>>()?;
+        let (modes, interval) = (modal_filter(&wanted.modes)?, rig.setup().interval);
         let (harmonic, omega) = (MAX_HARMONICS, pll.range[1]);
         let limit = PI / (harmonic as f64 * omega);
         if interval >= limit {
@@ -60,7 +61,7 @@ impl HarmonicControl {
             return Err(PhaseLoopError::AboveNyquist { harmonic, omega, limit }.into());
         }
         let settings =
-            AppropriationSettings::new(wanted.harmonics, modes, quantities, wanted.drive, interval, pll.cut_off);
+            AppropriationSettings::new(wanted.harmonics, modes, &quantities, wanted.drive, interval, pll.cut_off)?;
         let unknown = vec![Complex64::ONE; wanted.harmonics.saturating_sub(1)];
         let control = ForceAppropriation::new(settings, transfer.unwrap_or(&unknown))?;
         let (state, motions) = (control.start(), vec![0.0; wanted.channels.len()]);
@@ -100,6 +101,18 @@ impl HarmonicControl {
         let size = self.state.force()[0].norm() * std::mem::take(&mut self.samples) as f64;
         self.missing.iter_mut().map(|sum| std::mem::take(sum).norm() / size).collect()
     }
+}
+
+/// Rows of `Φ⁺`: the modal coordinates of a displacement of one at each sensor in turn.
+fn modal_filter(modes: &LinearModes) -> Result<ModalFilter, PhaseLoopError> {
+    let sensors = modes.n_coordinates();
+    let unit = |at: usize| (0..sensors).map(|d| f64::from(u8::from(d == at)).into()).collect::<Vec<Complex64>>();
+    let columns: Vec<Vec<Complex64>> = (0..sensors).map(|at| modes.project(&unit(at))).collect();
+    let figures = modes.omegas().iter().zip(modes.damping_ratios());
+    figures.enumerate().try_fold(ModalFilter::new(sensors)?, |filter, (k, (omega, damping_ratio))| {
+        let row: Vec<f64> = columns.iter().map(|column| column[k].re).collect();
+        filter.with_mode(&row, *omega, *damping_ratio)
+    })
 }
 
 /// Quantity of the sensor of this channel, if it is a motion.

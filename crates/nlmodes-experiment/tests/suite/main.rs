@@ -8,7 +8,6 @@ mod headers;
 mod impacts;
 mod known_answers;
 mod malformed;
-mod phase_loop;
 mod pyuff;
 mod slips;
 mod support;

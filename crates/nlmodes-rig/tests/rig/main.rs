@@ -11,3 +11,4 @@ mod integration;
 mod long_records;
 mod phase_resonance;
 mod schedule;
+mod test_control;

@@ -1,6 +1,8 @@
-use std::f64::consts::SQRT_2;
+use core::f64::consts::SQRT_2;
 
 use num_complex::Complex64;
+
+use crate::math::{cis, norm};
 
 /// Order of a Butterworth low-pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -22,8 +24,9 @@ pub struct LowPass {
 }
 
 /// Sampled filter: `y = b₀ z + s₀`, and the states in transposed form.
+#[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct SampledLowPass {
+pub(crate) struct SampledLowPass {
     b: [f64; 3],
     a: [f64; 2],
 }
@@ -41,13 +44,13 @@ impl LowPass {
     /// Gain `|H|` at the angular frequency `omega`, rad/s, sampled with `step`, s.
     pub fn sampled_gain(&self, omega: f64, step: f64) -> f64 {
         let SampledLowPass { b, a } = self.sampled(step);
-        let delay = Complex64::cis(-omega * step);
-        ((b[0] + delay * (b[1] + delay * b[2])) / (1.0 + delay * (a[0] + delay * a[1]))).norm()
+        let delay = cis(-omega * step);
+        norm((b[0] + delay * (b[1] + delay * b[2])) / (1.0 + delay * (a[0] + delay * a[1])))
     }
 
     /// `s ↦ (1 − z⁻¹) / (1 + z⁻¹) / k` with `k = tan(ω_c h / 2) / ω_c`.
-    pub(super) fn sampled(&self, step: f64) -> SampledLowPass {
-        let k = (0.5 * self.cut_off * step).tan();
+    pub(crate) fn sampled(&self, step: f64) -> SampledLowPass {
+        let k = libm::tan(0.5 * self.cut_off * step);
         match self.order {
             Order::First => {
                 let b = k / (1.0 + k);
@@ -67,7 +70,7 @@ impl LowPass {
 
 impl SampledLowPass {
     /// Next output, and the states after it.
-    pub(super) fn step(&self, [s0, s1]: [Complex64; 2], input: Complex64) -> (Complex64, [Complex64; 2]) {
+    pub(crate) fn step(&self, [s0, s1]: [Complex64; 2], input: Complex64) -> (Complex64, [Complex64; 2]) {
         let y = input * self.b[0] + s0;
         (y, [input * self.b[1] - y * self.a[0] + s1, input * self.b[2] - y * self.a[1]])
     }

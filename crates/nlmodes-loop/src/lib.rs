@@ -1,4 +1,9 @@
-//! The phase-locked loop: phase detector, loop filter, oscillator, as in Fig. 2 of the paper.
+//! Control of a vibration test in phase resonance, sample by sample: phase-locked loop, amplitude, higher harmonics of
+//! the force, levels, limits. Without the standard library, without memory from a heap, and without a way to panic; the
+//! same code in a simulation, on a computer and on a controller, callable from C (`include/nlmodes_loop.h`).
+//!
+//! [`PhaseLockedLoop`] is the loop alone: phase detector, loop filter, oscillator, as in Fig. 2 of the paper.
+//! [`TestControl`] is a whole test around it.
 //!
 //! The loop excites with `cos θ` and turns the frequency `ω = dθ/dt` until the fundamental of the response lags that of
 //! the force by the phase of resonance (90 degrees for a displacement). It sees two signals and nothing else.
@@ -29,11 +34,23 @@
 //! | `ω_c` | cut-off of the detector | rad/s | [`LoopSettings::cut_off`] |
 //! | `K_p`, `K_i` | gains of the loop filter | 1/s, 1/s² | [`Gains`] |
 //!
-//! A step is a function of the state, allocates nothing and takes a few tens of operations a harmonic: it can run at a
-//! rig.
+//! A [`TestControl`] adds what a test needs around the loop, in the order in which a sample passes through it:
+//!
+//! | part | what it does | item |
+//! | --- | --- | --- |
+//! | limits | stroke, contact force, force, missing samples: the drive goes to zero and stays there | [`Limits`] |
+//! | levels | ramps, time to settle judged against the noise, records | [`LevelSchedule`], [`Settling`] |
+//! | higher harmonics | the power that damping takes from each harmonic of the motion | [`ForceAppropriation`] |
+//! | amplitude | drive, force or response is brought to its level | [`AmplitudeSettings`] |
+//!
+//! # Main decisions
+//! - A step is a function of settings, state and samples: the same arguments give the same bits, on every machine with
+//!   IEEE 754 arithmetic, for sines and arctangents come from `libm`, not from the system.
+//! - Numbers of harmonics, levels, sensors and windows have fixed limits, so that a state is a value.
+//! - Settings are checked once, [`TestControl::new`]; a step cannot fail.
 //!
 //! ```
-//! use nlmodes_experiment::phase_loop::{LoopSettings, PhaseLockedLoop, Resonance};
+//! use nlmodes_loop::{LoopSettings, PhaseLockedLoop, Resonance};
 //!
 //! // An oscillator of 1 kg, 40 Hz and 1 % damping, and a loop that starts 1 Hz too low. Exact steps are left to a rig:
 //! // here the response is integrated with small symplectic ones.
@@ -47,7 +64,7 @@
 //!     state = pll.step(&state, state.drive_phase().cos(), x);
 //! }
 //! assert!(state.is_locked() && (state.omega() / omega - 1.0).abs() < 1e-3);
-//! # Ok::<(), nlmodes_experiment::phase_loop::PhaseLoopError>(())
+//! # Ok::<(), nlmodes_loop::PhaseLoopError>(())
 //! ```
 //!
 //! The procedure is that of Section 2.3 of S. Peter, F. Schreyer, R. I. Leine, Mechanical Systems and Signal Processing
@@ -55,26 +72,44 @@
 //! detector is the least mean squares algorithm of B. Widrow et al., *Adaptive noise cancelling*, Proceedings of the
 //! IEEE 63 (1975) 1692-1716.
 
+#![cfg_attr(not(test), no_std)]
+
 mod adaptive;
+mod amplitude;
 mod appropriation;
+pub mod c;
+mod c_settings;
 mod demodulation;
 mod detector;
 mod error;
 mod gains;
+mod limits;
 mod lock;
 mod low_pass;
+mod math;
+mod modal_filter;
 mod pll;
 mod quantity;
+mod schedule;
 mod settings;
+mod settling;
 mod state;
+mod test_control;
 
+pub use amplitude::{AmplitudeSettings, Controlled};
 pub use appropriation::{AppropriationSettings, AppropriationState, ForceAppropriation};
+pub use c_settings::CSettings;
 pub use detector::{MAX_HARMONICS, PhaseDetector};
 pub use error::PhaseLoopError;
 pub use gains::{Gains, Resonance};
+pub use limits::{Limits, StopReason};
 pub use lock::LockSettings;
 pub use low_pass::{LowPass, Order};
+pub use modal_filter::{MAX_MODES, MAX_SENSORS, ModalFilter};
 pub use pll::PhaseLockedLoop;
 pub use quantity::ResponseQuantity;
+pub use schedule::{LevelSchedule, MAX_LEVELS, Stage};
 pub use settings::LoopSettings;
+pub use settling::{MAX_WINDOWS, Settling, Steadiness};
 pub use state::LoopState;
+pub use test_control::{TestControl, TestInput, TestOutput, TestSettings, TestState};

@@ -1,6 +1,7 @@
-use std::f64::consts::FRAC_PI_2;
+use core::f64::consts::FRAC_PI_2;
 
 /// What the response sensor of the loop measures.
+#[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum ResponseQuantity {
     /// m. Least distorted by higher harmonics, and so the choice of the paper (Section 4).

@@ -1,17 +1,16 @@
-use std::f64::consts::{PI, TAU};
+use core::f64::consts::PI;
 
 use num_complex::Complex64;
 
-use super::detector::PreparedDetector;
-use super::{Gains, LoopSettings, LoopState, LowPass, PhaseLoopError};
+use crate::detector::PreparedDetector;
+use crate::math::{arg, between, norm, rem_tau};
+use crate::{Gains, LockSettings, LoopSettings, LoopState, LowPass, PhaseLoopError};
 
-/// A phase-locked loop with checked settings; see the [module](super) for its equations.
+/// A phase-locked loop with checked settings; see the [crate](crate) for its equations.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PhaseLockedLoop {
     settings: LoopSettings,
-    gains: Gains,
-    detector: PreparedDetector,
-    target: f64,
+    prepared: PreparedLoop,
 }
 
 impl PhaseLockedLoop {
@@ -21,16 +20,8 @@ impl PhaseLockedLoop {
     /// [`PhaseLoopError::UnstableGains`] beyond the limit of Routh, and the other variants for settings that cannot
     /// work.
     pub fn new(settings: LoopSettings) -> Result<Self, PhaseLoopError> {
-        settings.check()?;
-        let low_pass = settings.detector.low_pass(settings.cut_off);
-        let gains = match settings.gains {
-            Some(gains) => gains,
-            None => Gains::design(settings.resonance, low_pass)?,
-        };
-        gains.check(settings.resonance, low_pass)?;
-        let detector = settings.detector.prepare(settings.cut_off, settings.step)?;
-        let target = settings.quantity.lag(settings.displacement_lag);
-        Ok(Self { settings, gains, detector, target })
+        let prepared = PreparedLoop::new(&settings)?;
+        Ok(Self { settings, prepared })
     }
 
     /// The settings.
@@ -40,7 +31,7 @@ impl PhaseLockedLoop {
 
     /// The gains in use.
     pub fn gains(&self) -> Gains {
-        self.gains
+        self.prepared.gains
     }
 
     /// The low-pass of the detector, as the stability limit sees it.
@@ -50,23 +41,12 @@ impl PhaseLockedLoop {
 
     /// Lag of the measured response that the loop works for, rad.
     pub fn target_lag(&self) -> f64 {
-        self.target
+        self.prepared.target
     }
 
     /// State before the first sample: phase zero at the starting frequency.
     pub fn start(&self) -> LoopState {
-        LoopState {
-            theta: 0.0,
-            omega: self.settings.start,
-            integral: 0.0,
-            lag: self.target,
-            error: None,
-            within: 0.0,
-            locked: false,
-            held: false,
-            at_limit: false,
-            detector: self.detector.start(),
-        }
+        self.prepared.start()
     }
 
     /// The state after the samples `force` and `response`, taken at the phase [`LoopState::drive_phase`] of `state`.
@@ -74,6 +54,65 @@ impl PhaseLockedLoop {
     /// The phase of the result is that of the next sample, one step later. Samples that are not finite are ignored: the
     /// drive continues at its frequency, and the loop counts as not locked.
     pub fn step(&self, state: &LoopState, force: f64, response: f64) -> LoopState {
+        self.prepared.step(state, force, response)
+    }
+}
+
+/// What a step needs of the settings.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct PreparedLoop {
+    /// Sampling interval, s.
+    pub(crate) step: f64,
+    start: f64,
+    range: [f64; 2],
+    gains: Gains,
+    detector: PreparedDetector,
+    /// Lag of the measured response that the loop works for, rad.
+    pub(crate) target: f64,
+    smallest: [f64; 2],
+    lock: LockSettings,
+}
+
+impl PreparedLoop {
+    /// Checked settings.
+    pub(crate) fn new(settings: &LoopSettings) -> Result<Self, PhaseLoopError> {
+        settings.check()?;
+        let low_pass = settings.detector.low_pass(settings.cut_off);
+        let gains = match settings.gains {
+            Some(gains) => gains,
+            None => Gains::design(settings.resonance, low_pass)?,
+        };
+        gains.check(settings.resonance, low_pass)?;
+        Ok(Self {
+            step: settings.step,
+            start: settings.start,
+            range: settings.range,
+            gains,
+            detector: settings.detector.prepare(settings.cut_off, settings.step)?,
+            target: settings.quantity.lag(settings.displacement_lag),
+            smallest: settings.smallest,
+            lock: settings.lock,
+        })
+    }
+
+    pub(crate) fn start(&self) -> LoopState {
+        LoopState {
+            theta: 0.0,
+            omega: self.start,
+            integral: 0.0,
+            lag: self.target,
+            error: 0.0,
+            within: 0.0,
+            measurable: false,
+            locked: false,
+            held: false,
+            at_limit: false,
+            detector: self.detector.start(),
+        }
+    }
+
+    pub(crate) fn step(&self, state: &LoopState, force: f64, response: f64) -> LoopState {
         let mut next = *state;
         let finite = force.is_finite() && response.is_finite();
         if finite {
@@ -84,31 +123,31 @@ impl PhaseLockedLoop {
             }
         }
         self.measure(&mut next, finite);
-        if let (Some(error), false) = (next.error, next.held) {
+        if let (Some(error), false) = (next.error(), next.held) {
             self.control(&mut next, error);
         }
-        next.theta = (state.theta + next.omega * self.settings.step).rem_euclid(TAU);
+        next.theta = rem_tau(state.theta + next.omega * self.step);
         next
     }
 
     /// Lag, its error, and the lock.
     fn measure(&self, state: &mut LoopState, finite: bool) {
         let [force, response] = state.detector.fundamentals();
-        let above = |z: Complex64, least: f64| z.is_finite() && z.norm() > 0.0 && z.norm() >= least;
-        let [least_force, least_response] = self.settings.smallest;
-        let measurable = finite && above(force, least_force) && above(response, least_response);
-        state.error = measurable.then(|| wrap(self.target - (force.arg() - response.arg())));
-        state.lag = self.target - state.error.unwrap_or(0.0);
-        state.within = self.settings.lock.count(state.within, state.error, self.settings.step);
-        state.locked = state.within > 0.0 && state.within >= self.settings.lock.duration;
+        let above = |z: Complex64, least: f64| z.is_finite() && norm(z) > 0.0 && norm(z) >= least;
+        let [least_force, least_response] = self.smallest;
+        state.measurable = finite && above(force, least_force) && above(response, least_response);
+        state.error = if state.measurable { wrap(self.target - (arg(force) - arg(response))) } else { 0.0 };
+        state.lag = self.target - state.error;
+        state.within = self.lock.count(state.within, state.error(), self.step);
+        state.locked = state.within > 0.0 && state.within >= self.lock.duration;
     }
 
     /// Loop filter. At an end of the range the integral is frozen (anti-windup).
     fn control(&self, state: &mut LoopState, error: f64) {
-        let [low, high] = self.settings.range;
-        let integral = state.integral + self.gains.integral * error * self.settings.step;
-        let omega = self.settings.start + self.gains.proportional * error + integral;
-        state.omega = omega.clamp(low, high);
+        let [low, high] = self.range;
+        let integral = state.integral + self.gains.integral * error * self.step;
+        let omega = self.start + self.gains.proportional * error + integral;
+        state.omega = between(omega, low, high);
         state.at_limit = state.omega != omega;
         if !state.at_limit || (omega > high) != (error > 0.0) {
             state.integral = integral;
@@ -118,13 +157,13 @@ impl PhaseLockedLoop {
 
 /// `angle` in (−π, π].
 fn wrap(angle: f64) -> f64 {
-    PI - (PI - angle).rem_euclid(TAU)
+    PI - rem_tau(PI - angle)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::phase_loop::{LockSettings, Resonance};
+    use crate::Resonance;
 
     fn made(range: [f64; 2], lock: LockSettings) -> PhaseLockedLoop {
         let resonance = Resonance { omega: 250.0, damping_ratio: 0.01 };
@@ -139,10 +178,10 @@ mod tests {
         for (integral, sign) in [(5.0, 1.0), (-5.0, -1.0)] {
             for error in [0.5, 0.05, 1e-6] {
                 let mut state = LoopState { integral, ..pll.start() };
-                pll.control(&mut state, sign * error);
+                pll.prepared.control(&mut state, sign * error);
                 assert!(state.at_limit && state.omega == 250.0 + sign && state.integral == integral, "{error}");
                 let mut state = LoopState { integral, ..pll.start() };
-                pll.control(&mut state, -sign * error);
+                pll.prepared.control(&mut state, -sign * error);
                 assert!((state.integral - integral) * sign < 0.0, "{error}");
             }
         }
@@ -173,7 +212,7 @@ mod tests {
         let start = pll.start();
         // Without an error it stays where it is.
         let mut later = start;
-        pll.control(&mut later, 0.0);
+        pll.prepared.control(&mut later, 0.0);
         assert_eq!((later, start.within), (start, 0.0));
         assert_eq!((start.drive_phase(), start.omega(), start.lag()), (0.0, 240.0, 0.5 * PI));
         assert_eq!(start.fundamentals(), [Complex64::default(); 2]);

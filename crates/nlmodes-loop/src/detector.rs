@@ -1,9 +1,10 @@
 use num_complex::Complex64;
 
-use super::adaptive::AdaptiveState;
-use super::demodulation::DemodulationState;
-use super::low_pass::SampledLowPass;
-use super::{LowPass, Order, PhaseLoopError};
+use crate::adaptive::AdaptiveState;
+use crate::demodulation::DemodulationState;
+use crate::low_pass::SampledLowPass;
+use crate::math::cis;
+use crate::{LowPass, Order, PhaseLoopError};
 
 /// Most harmonics that the adaptive detector can follow: a fixed number keeps its state free of allocation.
 pub const MAX_HARMONICS: usize = 8;
@@ -47,24 +48,26 @@ impl PhaseDetector {
     pub fn ripple(self, cut_off: f64, omega: f64, lag: f64, step: f64) -> f64 {
         match self {
             Self::Adaptive { .. } => 0.0,
-            Self::Demodulation { .. } => 2.0 * lag.sin().abs() * self.low_pass(cut_off).sampled_gain(2.0 * omega, step),
+            Self::Demodulation { .. } => {
+                2.0 * libm::sin(lag).abs() * self.low_pass(cut_off).sampled_gain(2.0 * omega, step)
+            }
         }
     }
 
-    pub(super) fn highest_harmonic(self) -> usize {
+    pub(crate) fn highest_harmonic(self) -> usize {
         match self {
             Self::Adaptive { harmonics } => harmonics,
             Self::Demodulation { .. } => 1,
         }
     }
 
-    pub(super) fn prepare(self, cut_off: f64, step: f64) -> Result<PreparedDetector, PhaseLoopError> {
+    pub(crate) fn prepare(self, cut_off: f64, step: f64) -> Result<PreparedDetector, PhaseLoopError> {
         match self {
             Self::Adaptive { harmonics } if harmonics == 0 || harmonics > MAX_HARMONICS => {
                 Err(PhaseLoopError::Harmonics { harmonics, most: MAX_HARMONICS })
             }
             Self::Adaptive { harmonics } => {
-                Ok(PreparedDetector::Adaptive { harmonics, rate: -(-cut_off * step).exp_m1() })
+                Ok(PreparedDetector::Adaptive { harmonics: harmonics as u32, rate: -libm::expm1(-cut_off * step) })
             }
             Self::Demodulation { .. } => Ok(PreparedDetector::Demodulation(self.low_pass(cut_off).sampled(step))),
         }
@@ -72,21 +75,33 @@ impl PhaseDetector {
 }
 
 /// A detector with its coefficients for one step.
+#[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum PreparedDetector {
-    Adaptive { harmonics: usize, rate: f64 },
+pub(crate) enum PreparedDetector {
+    Adaptive { harmonics: u32, rate: f64 },
     Demodulation(SampledLowPass),
 }
 
+/// `z, z², z³ …`
+pub(crate) fn powers(z: Complex64) -> [Complex64; MAX_HARMONICS] {
+    let (mut powers, mut power) = ([z; MAX_HARMONICS], z);
+    for next in powers.iter_mut().skip(1) {
+        power *= z;
+        *next = power;
+    }
+    powers
+}
+
 /// What a detector remembers of force and response.
+#[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum DetectorState {
+pub(crate) enum DetectorState {
     Adaptive { force: AdaptiveState, response: AdaptiveState },
     Demodulation { force: DemodulationState, response: DemodulationState },
 }
 
 impl PreparedDetector {
-    pub(super) fn start(&self) -> DetectorState {
+    pub(crate) fn start(&self) -> DetectorState {
         match self {
             Self::Adaptive { .. } => {
                 DetectorState::Adaptive { force: AdaptiveState::ZERO, response: AdaptiveState::ZERO }
@@ -98,15 +113,12 @@ impl PreparedDetector {
     }
 
     /// The state after one pair of samples at the phase `theta`.
-    pub(super) fn step(&self, state: &DetectorState, theta: f64, f: f64, x: f64) -> DetectorState {
-        let wave = Complex64::cis(theta);
+    pub(crate) fn step(&self, state: &DetectorState, theta: f64, f: f64, x: f64) -> DetectorState {
+        let wave = cis(theta);
         match (self, *state) {
             (&Self::Adaptive { harmonics, rate }, DetectorState::Adaptive { force, response }) => {
-                let mut waves = [wave; MAX_HARMONICS];
-                for n in 1..harmonics {
-                    waves[n] = waves[n - 1] * wave;
-                }
-                let waves = &waves[..harmonics];
+                let waves = powers(wave);
+                let waves = waves.get(..harmonics as usize).unwrap_or(&waves);
                 DetectorState::Adaptive { force: force.step(f, waves, rate), response: response.step(x, waves, rate) }
             }
             (Self::Demodulation(filter), DetectorState::Demodulation { force, response }) => {
@@ -123,7 +135,7 @@ impl PreparedDetector {
 
 impl DetectorState {
     /// Complex amplitudes `F_1` and `X_1` in the frame of the drive.
-    pub(super) fn fundamentals(&self) -> [Complex64; 2] {
+    pub(crate) fn fundamentals(&self) -> [Complex64; 2] {
         match self {
             Self::Adaptive { force, response } => [force.amplitudes[0], response.amplitudes[0]],
             Self::Demodulation { force, response } => [force.amplitude, response.amplitude],

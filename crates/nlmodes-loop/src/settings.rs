@@ -1,7 +1,7 @@
-use std::f64::consts::{FRAC_PI_2, PI};
+use core::f64::consts::{FRAC_PI_2, PI};
 
-use super::error::{finite, positive};
-use super::{Gains, LockSettings, PhaseDetector, PhaseLoopError, Resonance, ResponseQuantity};
+use crate::error::{finite, positive};
+use crate::{Gains, LockSettings, PhaseDetector, PhaseLoopError, Resonance, ResponseQuantity};
 
 /// Everything that a loop has to know.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,7 +53,7 @@ impl LoopSettings {
     }
 
     /// Checks all but the gains.
-    pub(super) fn check(&self) -> Result<(), PhaseLoopError> {
+    pub(crate) fn check(&self) -> Result<(), PhaseLoopError> {
         positive("sampling interval (s)", self.step)?;
         positive("frequency of the resonance (rad/s)", self.resonance.omega)?;
         finite("damping ratio", self.resonance.damping_ratio)?;

@@ -1,6 +1,6 @@
 use num_complex::Complex64;
 
-use super::MAX_HARMONICS;
+use crate::MAX_HARMONICS;
 
 /// Least mean squares estimate of the mean and of the leading harmonics of one signal.
 ///
@@ -11,17 +11,18 @@ use super::MAX_HARMONICS;
 ///
 /// Each amplitude follows through a first-order low-pass with `μ = 1 − e^{−ω_c h}` a step; a signal that consists of
 /// these harmonics leaves `ε = 0`, and so no ripple, neither from the double frequency nor from a mean value.
+#[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct AdaptiveState {
-    pub(super) mean: f64,
-    pub(super) amplitudes: [Complex64; MAX_HARMONICS],
+pub(crate) struct AdaptiveState {
+    pub(crate) mean: f64,
+    pub(crate) amplitudes: [Complex64; MAX_HARMONICS],
 }
 
 impl AdaptiveState {
-    pub(super) const ZERO: Self = Self { mean: 0.0, amplitudes: [Complex64::ZERO; MAX_HARMONICS] };
+    pub(crate) const ZERO: Self = Self { mean: 0.0, amplitudes: [Complex64::ZERO; MAX_HARMONICS] };
 
     /// `waves` are `e^{inθ}` for n = 1 … harmonics.
-    pub(super) fn step(mut self, signal: f64, waves: &[Complex64], rate: f64) -> Self {
+    pub(crate) fn step(mut self, signal: f64, waves: &[Complex64], rate: f64) -> Self {
         let harmonics = self.amplitudes.iter().zip(waves).map(|(y, e)| y.re * e.re - y.im * e.im);
         let error = signal - self.mean - harmonics.fold(0.0, |sum, part| sum + part);
         self.mean += rate * error;

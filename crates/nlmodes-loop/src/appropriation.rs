@@ -1,19 +1,21 @@
-use nlmodes_modal::LinearModes;
 use num_complex::Complex64;
 
-use super::adaptive::AdaptiveState;
-use super::error::{finite, positive};
-use super::{MAX_HARMONICS, PhaseLoopError, ResponseQuantity};
+use crate::adaptive::AdaptiveState;
+use crate::detector::powers;
+use crate::error::{finite, positive};
+use crate::math::{cis, norm};
+use crate::{MAX_HARMONICS, MAX_SENSORS, ModalFilter, PhaseLoopError, ResponseQuantity};
 
 /// Everything that the control of the force's higher harmonics has to know.
-#[derive(Debug, Clone, PartialEq)]
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AppropriationSettings {
     /// Harmonics that are controlled, 2 to this one; the fundamental is that of the phase-locked loop.
     pub harmonics: usize,
-    /// Linear modes at the motion sensors, with their damping ratios: what a linear modal test before gives.
-    pub modes: LinearModes,
-    /// What each of these sensors measures.
-    pub quantities: Vec<ResponseQuantity>,
+    /// Linear modes at the motion sensors, with their damping: what a linear modal test before gives.
+    pub modes: ModalFilter,
+    /// What each of these sensors measures; those beyond the last sensor mean nothing.
+    pub quantities: [ResponseQuantity; MAX_SENSORS],
     /// Index of the drive point.
     pub drive: usize,
     /// Sampling interval, s.
@@ -28,15 +30,23 @@ pub struct AppropriationSettings {
 
 impl AppropriationSettings {
     /// A fifth of the cut-off as rate, and no harmonic of the force larger than its fundamental.
+    ///
+    /// # Errors
+    /// [`PhaseLoopError::Sensors`] if there is not one quantity for each sensor of the modes.
     pub fn new(
         harmonics: usize,
-        modes: LinearModes,
-        quantities: Vec<ResponseQuantity>,
+        modes: ModalFilter,
+        quantities: &[ResponseQuantity],
         drive: usize,
         step: f64,
         cut_off: f64,
-    ) -> Self {
-        Self { harmonics, modes, quantities, drive, step, cut_off, rate: 0.2 * cut_off, largest: 1.0 }
+    ) -> Result<Self, PhaseLoopError> {
+        if quantities.len() != modes.sensors() {
+            return Err(PhaseLoopError::Sensors { sensors: quantities.len(), expected: modes.sensors(), drive });
+        }
+        let mut all = [ResponseQuantity::default(); MAX_SENSORS];
+        all.iter_mut().zip(quantities).for_each(|(mine, given)| *mine = *given);
+        Ok(Self { harmonics, modes, quantities: all, drive, step, cut_off, rate: 0.2 * cut_off, largest: 1.0 })
     }
 
     fn check(&self) -> Result<(), PhaseLoopError> {
@@ -47,9 +57,9 @@ impl AppropriationSettings {
         positive("cut-off of the detector (rad/s)", self.cut_off)?;
         positive("rate of the controlled harmonics (1/s)", self.rate)?;
         positive("largest harmonic of the force", self.largest)?;
-        let (sensors, expected) = (self.quantities.len(), self.modes.n_coordinates());
-        if sensors != expected || self.drive >= sensors {
-            return Err(PhaseLoopError::Sensors { sensors, expected, drive: self.drive });
+        let sensors = self.modes.sensors();
+        if self.drive >= sensors {
+            return Err(PhaseLoopError::Sensors { sensors, expected: sensors, drive: self.drive });
         }
         Ok(())
     }
@@ -71,15 +81,33 @@ impl AppropriationSettings {
 /// At a drive point without motion in harmonic `n`, `F*_n` is unbounded; it is then limited to the largest permitted
 /// one, and the state [indicates this](AppropriationState::is_limited). Shapes and units: amplitudes in SI units, one
 /// per harmonic.
-#[derive(Debug, Clone, PartialEq)]
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForceAppropriation {
     settings: AppropriationSettings,
-    transfer: Vec<Complex64>,
+    /// `G_n`, with one for the fundamental.
+    transfer: [Complex64; MAX_HARMONICS],
     /// Share of an error by which a detector moves in a step.
     rate: f64,
 }
 
 impl ForceAppropriation {
+    /// None: a place in memory where nothing is controlled.
+    pub(crate) const NONE: Self = Self {
+        settings: AppropriationSettings {
+            harmonics: 0,
+            modes: ModalFilter::NONE,
+            quantities: [ResponseQuantity::Displacement; MAX_SENSORS],
+            drive: 0,
+            step: 0.0,
+            cut_off: 0.0,
+            rate: 0.0,
+            largest: 0.0,
+        },
+        transfer: [Complex64::ONE; MAX_HARMONICS],
+        rate: 0.0,
+    };
+
     /// A controller with the answer `transfer` of the force to the drive in the harmonics 2, 3 …
     ///
     /// # Errors
@@ -87,15 +115,15 @@ impl ForceAppropriation {
     /// force does not answer, and the variants for numbers that cannot be.
     pub fn new(settings: AppropriationSettings, transfer: &[Complex64]) -> Result<Self, PhaseLoopError> {
         settings.check()?;
-        for n in 2..=settings.harmonics {
-            let answer = transfer.get(n - 2).copied().unwrap_or_default();
-            finite("transfer of the exciter", answer.norm())?;
-            if answer.norm() == 0.0 {
-                return Err(PhaseLoopError::NoTransfer { harmonic: n });
+        let mut answers = [Complex64::ONE; MAX_HARMONICS];
+        for (index, mine) in answers.iter_mut().enumerate().take(settings.harmonics).skip(1) {
+            *mine = transfer.get(index - 1).copied().unwrap_or_default();
+            if finite("transfer of the exciter", norm(*mine))? == 0.0 {
+                return Err(PhaseLoopError::NoTransfer { harmonic: index + 1 });
             }
         }
-        let rate = -(-settings.cut_off * settings.step).exp_m1();
-        Ok(Self { transfer: transfer[..settings.harmonics - 1].to_vec(), settings, rate })
+        let rate = -libm::expm1(-settings.cut_off * settings.step);
+        Ok(Self { transfer: answers, settings, rate })
     }
 
     /// The settings.
@@ -105,33 +133,18 @@ impl ForceAppropriation {
 
     /// State before the first sample, without a drive in these harmonics.
     pub fn start(&self) -> AppropriationState {
-        AppropriationState {
-            harmonics: self.settings.harmonics,
-            force: AdaptiveState::ZERO,
-            motions: vec![AdaptiveState::ZERO; self.settings.quantities.len()],
-            motion: vec![Complex64::ZERO; self.settings.quantities.len()],
-            drive: [Complex64::ZERO; MAX_HARMONICS],
-            wanted: [Complex64::ZERO; MAX_HARMONICS],
-            limited: [false; MAX_HARMONICS],
-            held: false,
-        }
+        AppropriationState { harmonics: self.settings.harmonics, ..AppropriationState::ZERO }
     }
 
     /// Moves on by the samples `force` and `motions`, one a sensor, that were taken at the phase `theta` of the drive
-    /// with the angular frequency `omega`, rad/s. Samples that are not finite are passed over. Allocates nothing.
-    ///
-    /// # Panics
-    /// If there is not one sample for each sensor.
+    /// with the angular frequency `omega`, rad/s. Samples that are not finite are passed over, and so is a sample
+    /// without one motion for each sensor.
     pub fn step(&self, state: &mut AppropriationState, theta: f64, omega: f64, force: f64, motions: &[f64]) {
-        assert_eq!(motions.len(), state.motions.len());
+        let Some(motions) = motions.get(..self.settings.modes.sensors()) else { return };
         if !force.is_finite() || !motions.iter().all(|y| y.is_finite()) {
             return;
         }
-        let wave = Complex64::cis(theta);
-        let mut waves = [wave; MAX_HARMONICS];
-        for n in 1..MAX_HARMONICS {
-            waves[n] = waves[n - 1] * wave;
-        }
+        let waves = powers(cis(theta));
         state.force = state.force.step(force, &waves, self.rate);
         for (detected, y) in state.motions.iter_mut().zip(motions) {
             *detected = detected.step(*y, &waves, self.rate);
@@ -139,41 +152,53 @@ impl ForceAppropriation {
         if state.held {
             return;
         }
-        for n in 2..=self.settings.harmonics {
-            self.follow(state, n, omega);
+        for (index, transfer) in self.transfer.iter().enumerate().take(self.settings.harmonics).skip(1) {
+            self.follow(state, index, omega, *transfer);
         }
     }
 
-    /// One harmonic: the force that is wanted, and the drive on its way there.
-    fn follow(&self, state: &mut AppropriationState, n: usize, omega: f64) {
-        let nu = n as f64 * omega;
-        for (x, (detected, quantity)) in
-            state.motion.iter_mut().zip(state.motions.iter().zip(&self.settings.quantities))
-        {
-            *x = detected.amplitudes[n - 1] / Complex64::new(0.0, nu).powi(i32::from(quantity.derivatives()));
+    /// One harmonic, with its index from zero: the force that is wanted, and the drive on its way there.
+    fn follow(&self, state: &mut AppropriationState, index: usize, omega: f64, transfer: Complex64) {
+        let nu = (index + 1) as f64 * omega;
+        let turn = Complex64::new(0.0, nu);
+        let at = |detected: &AdaptiveState| detected.amplitudes.get(index).copied().unwrap_or_default();
+        let sensors = state.motions.iter().zip(&self.settings.quantities).take(self.settings.modes.sensors());
+        for (x, (detected, quantity)) in state.motion.iter_mut().zip(sensors) {
+            *x = match quantity {
+                ResponseQuantity::Displacement => at(detected),
+                ResponseQuantity::Velocity => at(detected) / turn,
+                ResponseQuantity::Acceleration => at(detected) / (turn * turn),
+            };
         }
-        let at_drive = state.motion[self.settings.drive];
+        let at_drive = state.motion.get(self.settings.drive).copied().unwrap_or_default();
         let taken = self.settings.modes.damping_form(&state.motion);
-        let largest = self.settings.largest * state.force.amplitudes[0].norm();
-        let size = nu * taken / at_drive.norm();
-        state.limited[n - 1] = size > largest;
-        state.wanted[n - 1] = match at_drive.norm() {
+        let [fundamental, ..] = state.force.amplitudes;
+        let largest = self.settings.largest * norm(fundamental);
+        let size = nu * taken / norm(at_drive);
+        let wanted = match norm(at_drive) {
             x if x > 0.0 => Complex64::new(0.0, size.min(largest)) * at_drive / x,
             _ => Complex64::ZERO,
         };
-        let missing = state.wanted[n - 1] - state.force.amplitudes[n - 1];
-        state.drive[n - 1] += self.settings.step * self.settings.rate * missing / self.transfer[n - 2];
+        let missing = wanted - at(&state.force);
+        let change = self.settings.step * self.settings.rate * missing / transfer;
+        let places = (state.wanted.get_mut(index), state.limited.get_mut(index), state.drive.get_mut(index));
+        if let (Some(mine), Some(limited), Some(drive)) = places {
+            *mine = wanted;
+            *limited = size > largest;
+            *drive += change;
+        }
     }
 }
 
 /// What the control of the harmonics remembers from one sample to the next.
-#[derive(Debug, Clone, PartialEq)]
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AppropriationState {
     harmonics: usize,
     force: AdaptiveState,
-    motions: Vec<AdaptiveState>,
+    motions: [AdaptiveState; MAX_SENSORS],
     /// Work space for the displacements at the sensors in one harmonic.
-    motion: Vec<Complex64>,
+    motion: [Complex64; MAX_SENSORS],
     drive: [Complex64; MAX_HARMONICS],
     wanted: [Complex64; MAX_HARMONICS],
     limited: [bool; MAX_HARMONICS],
@@ -181,20 +206,32 @@ pub struct AppropriationState {
 }
 
 impl AppropriationState {
+    /// Nothing is controlled, and nothing has been measured.
+    pub(crate) const ZERO: Self = Self {
+        harmonics: 0,
+        force: AdaptiveState::ZERO,
+        motions: [AdaptiveState::ZERO; MAX_SENSORS],
+        motion: [Complex64::ZERO; MAX_SENSORS],
+        drive: [Complex64::ZERO; MAX_HARMONICS],
+        wanted: [Complex64::ZERO; MAX_HARMONICS],
+        limited: [false; MAX_HARMONICS],
+        held: false,
+    };
+
     /// Complex amplitudes of the drive in the harmonics 1, 2 … N_c, in its unit; the first is zero, for it is the
     /// loop's.
     pub fn drive(&self) -> &[Complex64] {
-        &self.drive[..self.harmonics]
+        self.drive.get(..self.harmonics).unwrap_or_default()
     }
 
     /// Complex amplitudes of the measured force in these harmonics, N, in the frame of the drive.
     pub fn force(&self) -> &[Complex64] {
-        &self.force.amplitudes[..self.harmonics]
+        self.force.amplitudes.get(..self.harmonics).unwrap_or_default()
     }
 
     /// Those that are wanted, N; the first is zero.
     pub fn wanted(&self) -> &[Complex64] {
-        &self.wanted[..self.harmonics]
+        self.wanted.get(..self.harmonics).unwrap_or_default()
     }
 
     /// Whether harmonic `n` would have to be larger than permitted.
@@ -219,19 +256,25 @@ mod tests {
 
     const OMEGA: f64 = 250.0;
     const STEP: f64 = 1e-4;
+    /// Rows are sensors, columns modes, 1/√kg.
+    const SHAPES: [[f64; 2]; 2] = [[1.0, 0.8], [1.5, -2.0]];
 
     fn control(transfer: Complex64) -> ForceAppropriation {
-        let shapes = [vec![1.0, 0.8], vec![1.5, -2.0]];
-        let modes = LinearModes::new(&[0.1, 0.2], &[240.0, 900.0], &[0.01, 0.003], &shapes).unwrap();
-        let quantities = vec![ResponseQuantity::Displacement, ResponseQuantity::Acceleration];
-        let settings = AppropriationSettings::new(3, modes, quantities, 0, STEP, 25.0);
+        // Φ⁺ of the two shapes (1, 1.5) and (0.8, −2).
+        let determinant = SHAPES[0][0] * SHAPES[1][1] - SHAPES[0][1] * SHAPES[1][0];
+        let rows =
+            [[SHAPES[1][1], -SHAPES[0][1]], [-SHAPES[1][0], SHAPES[0][0]]].map(|row| row.map(|x| x / determinant));
+        let modes = ModalFilter::new(2).unwrap();
+        let modes = modes.with_mode(&rows[0], 240.0, 0.01).unwrap().with_mode(&rows[1], 900.0, 0.003).unwrap();
+        let quantities = [ResponseQuantity::Displacement, ResponseQuantity::Acceleration];
+        let settings = AppropriationSettings::new(3, modes, &quantities, 0, STEP, 25.0).unwrap();
         ForceAppropriation::new(settings, &[transfer; 2]).unwrap()
     }
 
     /// Samples of a force and two sensors for `duration` seconds, whose third harmonics these modal coordinates have.
     fn run(control: &ForceAppropriation, state: &mut AppropriationState, duration: f64) -> Complex64 {
         let (eta, nu) = ([Complex64::new(3e-5, 1e-5), Complex64::new(-2e-5, 4e-5)], 3.0 * OMEGA);
-        let x = control.settings().modes.expand(&eta);
+        let x = SHAPES.map(|row| eta[0] * row[0] + eta[1] * row[1]);
         for k in 0..(duration / STEP).round() as usize {
             let theta = OMEGA * STEP * k as f64;
             let third = Complex64::cis(3.0 * theta);
@@ -267,7 +310,7 @@ mod tests {
         let control = control(Complex64::ONE);
         let mut state = control.start();
         run(&control, &mut state, 0.2);
-        let before = state.clone();
+        let before = state;
         control.step(&mut state, 0.3, OMEGA, f64::NAN, &[0.0, 0.0]);
         control.step(&mut state, 0.3, OMEGA, 0.0, &[0.0, f64::INFINITY]);
         assert_eq!(state, before);
@@ -281,7 +324,7 @@ mod tests {
     fn what_cannot_be_is_refused() {
         let good = control(Complex64::ONE);
         let refused = |change: &dyn Fn(&mut AppropriationSettings), transfer: &[Complex64]| {
-            let mut settings = good.settings().clone();
+            let mut settings = *good.settings();
             change(&mut settings);
             ForceAppropriation::new(settings, transfer).unwrap_err()
         };
@@ -291,6 +334,10 @@ mod tests {
         let expected = PhaseLoopError::ControlledHarmonics { harmonics: 9, most: MAX_HARMONICS };
         assert_eq!(refused(&|s| s.harmonics = 9, &ones), expected);
         assert!(matches!(refused(&|s| s.drive = 2, &ones), PhaseLoopError::Sensors { drive: 2, .. }));
+        let short = AppropriationSettings::new(3, good.settings().modes, &[], 0, STEP, 25.0);
+        assert_eq!(short, Err(PhaseLoopError::Sensors { sensors: 0, expected: 2, drive: 0 }));
+        let many = PhaseLoopError::TooMany { what: "motion sensors", given: 33, most: MAX_SENSORS };
+        assert_eq!(ModalFilter::new(33), Err(many));
         assert!(matches!(refused(&|s| s.rate = 0.0, &ones), PhaseLoopError::NotPositive { .. }));
         assert!(matches!(refused(&|s| s.largest = f64::NAN, &ones), PhaseLoopError::NotPositive { .. }));
     }

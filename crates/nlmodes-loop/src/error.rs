@@ -66,6 +66,52 @@ pub enum PhaseLoopError {
         /// The declared drive point, from zero.
         drive: usize,
     },
+    /// Too few windows to judge noise, or too many.
+    #[error("{windows} windows for a steady level: {least} to {most}")]
+    Windows {
+        /// Wanted.
+        windows: usize,
+        /// Least.
+        least: usize,
+        /// Most.
+        most: usize,
+    },
+    /// A setting that must not be negative is, or is not finite.
+    #[error("{what} must not be negative and must be finite, not {value}")]
+    Negative {
+        /// The setting, with its unit.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A number that stands for a choice has no meaning.
+    #[error("{what} has no choice {code}: 0 to {most}")]
+    Code {
+        /// The setting.
+        what: &'static str,
+        /// Its value.
+        code: u32,
+        /// Highest that has a meaning.
+        most: u32,
+    },
+    /// A level needs more drive than the limit permits.
+    #[error("a level of {level} (N or V) is above the largest drive of {limit}")]
+    AboveLimit {
+        /// The level, N or V.
+        level: f64,
+        /// The limit, N or V.
+        limit: f64,
+    },
+    /// More of something than there is room for: a fixed number keeps the loop free of allocation.
+    #[error("{given} {what}: at most {most}")]
+    TooMany {
+        /// Of what.
+        what: &'static str,
+        /// Given.
+        given: usize,
+        /// Most.
+        most: usize,
+    },
     /// The force does not answer to the drive.
     #[error("harmonic {harmonic} of the force does not answer to the drive")]
     NoTransfer {
@@ -101,11 +147,16 @@ pub enum PhaseLoopError {
 }
 
 /// `value` if it is positive and finite.
-pub(super) fn positive(what: &'static str, value: f64) -> Result<f64, PhaseLoopError> {
+pub(crate) fn positive(what: &'static str, value: f64) -> Result<f64, PhaseLoopError> {
     if value > 0.0 && value.is_finite() { Ok(value) } else { Err(PhaseLoopError::NotPositive { what, value }) }
 }
 
 /// `value` if it is finite.
-pub(super) fn finite(what: &'static str, value: f64) -> Result<f64, PhaseLoopError> {
+pub(crate) fn finite(what: &'static str, value: f64) -> Result<f64, PhaseLoopError> {
     if value.is_finite() { Ok(value) } else { Err(PhaseLoopError::NotFinite { what, value }) }
+}
+
+/// `value` if it is finite and not negative.
+pub(crate) fn not_negative(what: &'static str, value: f64) -> Result<f64, PhaseLoopError> {
+    if value >= 0.0 && value.is_finite() { Ok(value) } else { Err(PhaseLoopError::Negative { what, value }) }
 }

@@ -1,9 +1,10 @@
-use std::f64::consts::SQRT_2;
+use core::f64::consts::SQRT_2;
 
 use num_complex::Complex64;
 
-use super::error::{finite, positive};
-use super::{LowPass, Order, PhaseLoopError};
+use crate::error::{finite, positive};
+use crate::math::norm;
+use crate::{LowPass, Order, PhaseLoopError};
 
 /// What has to be known of the resonance beforehand, roughly.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,6 +23,7 @@ impl Resonance {
 }
 
 /// Gains of the loop filter: `ω = ω_start + K_p e + K_i ∫ e dt`.
+#[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gains {
     /// `K_p`, 1/s.
@@ -46,7 +48,7 @@ impl Gains {
         let crossover = 0.25 * positive("cut-off of the detector (rad/s)", low_pass.cut_off)?;
         let corner = resonance.decay_rate().max(0.0) + 0.25 * crossover;
         let unit = Self { proportional: 1.0, integral: corner };
-        let scale = 1.0 / unit.open_loop(resonance, low_pass, Complex64::new(0.0, crossover)).norm();
+        let scale = 1.0 / norm(unit.open_loop(resonance, low_pass, Complex64::new(0.0, crossover)));
         Ok(Self { proportional: scale, integral: scale * corner })
     }
 
@@ -68,7 +70,7 @@ impl Gains {
             Order::Second => {
                 let a3 = SQRT_2 * w + delta;
                 let (a2, a1) = (w * w + SQRT_2 * w * delta, w * w * (delta + self.proportional));
-                if a1 > 0.0 && a3 > 0.0 { a1 * (a3 * a2 - a1) / (a3 * w).powi(2) } else { 0.0 }
+                if a1 > 0.0 && a3 > 0.0 { a1 * (a3 * a2 - a1) / (a3 * w * (a3 * w)) } else { 0.0 }
             }
         };
         limit.max(0.0)

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use num_complex::Complex64;
 use proptest::prelude::*;
 
-use nlmodes_experiment::phase_loop::{
+use nlmodes_loop::{
     Gains, LoopSettings, LoopState, LowPass, Order, PhaseDetector, PhaseLockedLoop, PhaseLoopError, Resonance,
     ResponseQuantity,
 };

@@ -1,4 +1,5 @@
 /// When a loop counts as locked.
+#[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LockSettings {
     /// Largest lag error, rad.
@@ -16,7 +17,7 @@ impl Default for LockSettings {
 
 impl LockSettings {
     /// Time within the tolerance, s, after another step with this error.
-    pub(super) fn count(&self, within: f64, error: Option<f64>, step: f64) -> f64 {
+    pub(crate) fn count(&self, within: f64, error: Option<f64>, step: f64) -> f64 {
         if error.is_some_and(|error| error.abs() <= self.tolerance) { within + step } else { 0.0 }
     }
 }

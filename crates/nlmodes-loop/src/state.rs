@@ -1,20 +1,23 @@
 use num_complex::Complex64;
 
-use super::detector::DetectorState;
+use crate::detector::DetectorState;
 
 /// What a loop remembers from one sample to the next: a value, without anything on the heap.
+#[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoopState {
-    pub(super) theta: f64,
-    pub(super) omega: f64,
-    pub(super) integral: f64,
-    pub(super) lag: f64,
-    pub(super) error: Option<f64>,
-    pub(super) within: f64,
-    pub(super) locked: bool,
-    pub(super) held: bool,
-    pub(super) at_limit: bool,
-    pub(super) detector: DetectorState,
+    pub(crate) theta: f64,
+    pub(crate) omega: f64,
+    pub(crate) integral: f64,
+    pub(crate) lag: f64,
+    /// Zero where it is not measurable.
+    pub(crate) error: f64,
+    pub(crate) within: f64,
+    pub(crate) measurable: bool,
+    pub(crate) locked: bool,
+    pub(crate) held: bool,
+    pub(crate) at_limit: bool,
+    pub(crate) detector: DetectorState,
 }
 
 impl LoopState {
@@ -35,7 +38,7 @@ impl LoopState {
 
     /// Target less lag, rad; none while force or response are too small to have a phase.
     pub fn error(&self) -> Option<f64> {
-        self.error
+        self.measurable.then_some(self.error)
     }
 
     /// Complex amplitudes `F_1`, `X_1` of force and response in the frame of the drive, in the units of the signals.
