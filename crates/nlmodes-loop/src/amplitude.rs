@@ -23,7 +23,8 @@ pub enum Controlled {
 ///
 /// Near the level `A*` the drive follows at the rate `κ`, whatever the gain of the exciter; from zero it begins at the
 /// rate `κ u_0`. A resonance of decay rate `δ` answers through `δ / (s + δ)`, so that `κ = δ/4` has a double pole and
-/// no overshoot; a larger one overshoots.
+/// no overshoot; a larger one overshoots. Where the amplitude hardly depends on the drive, as against a hard stop, the
+/// level is reached as much more slowly, with `κ d ln|Y_1| / d ln u`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AmplitudeSettings {
