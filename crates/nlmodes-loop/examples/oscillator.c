@@ -52,8 +52,8 @@ static int run(const char *name, const nlmodes_loop_settings *settings) {
   nlmodes_loop_input input;
   nlmodes_loop_output output;
   memset(&input, 0, sizeof input);
-  nlmodes_Refusal refused = nlmodes_loop_prepare(settings, &loop);
-  if (refused != NLMODES_REFUSAL_NONE) {
+  nlmodes_SettingsRefusal refused = nlmodes_loop_prepare(settings, &loop);
+  if (refused != NLMODES_SETTINGS_REFUSAL_NONE) {
     printf("%s: refused, code %d\n", name, (int)refused);
     return 1;
   }

@@ -6,8 +6,8 @@
 use std::f64::consts::TAU;
 
 use nlmodes_loop::{
-    AmplitudeSettings, Controlled, LevelSchedule, Limits, LockSettings, LoopSettings, PhaseLoopError, Resonance,
-    Settling, Stage, StopReason, TestControl, TestInput, TestSettings,
+    AmplitudeSettings, Controlled, EmergencyReason, LevelSchedule, Limits, LockSettings, LoopSettings, PhaseLoopError,
+    Resonance, Stage, SteadyCriteria, TestControl, TestInput, TestSettings,
 };
 
 const RATE: f64 = 10_000.0; // Hz
@@ -46,7 +46,7 @@ impl Rig {
 }
 
 /// Runs a test to its end; prints the end of each record and of the test. The last stage and its reason.
-fn run(name: &str, settings: &TestSettings) -> Result<(Stage, StopReason), PhaseLoopError> {
+fn run(name: &str, settings: &TestSettings) -> Result<(Stage, EmergencyReason), PhaseLoopError> {
     let control = TestControl::new(settings)?;
     let mut state = control.start();
     let mut rig = Rig { x: 0.0, v: 0.0, seed: 1 };
@@ -90,7 +90,7 @@ fn run(name: &str, settings: &TestSettings) -> Result<(Stage, StopReason), Phase
 fn main() -> Result<(), PhaseLoopError> {
     let resonance = Resonance { omega: OMEGA, damping_ratio: DAMPING };
     let lock = LockSettings { duration: 0.2, ..LockSettings::default() };
-    let settling = Settling { periods: 10, ..Settling::default() };
+    let settling = SteadyCriteria { periods: 10, ..SteadyCriteria::default() };
     let levels = |levels: &[f64]| -> Result<_, PhaseLoopError> {
         Ok(LevelSchedule { settling, record: 0.5, ..LevelSchedule::new(levels)? })
     };
@@ -102,15 +102,15 @@ fn main() -> Result<(), PhaseLoopError> {
         harmonics: None,
     };
     // Levels are forces; the stop is touched from the third on.
-    assert_eq!(run("force", &settings)?, (Stage::Finished, StopReason::None));
+    assert_eq!(run("force", &settings)?, (Stage::Finished, EmergencyReason::None));
     // Levels are displacements: stepped response.
     let rate = 0.25 * resonance.decay_rate();
     settings.amplitude = AmplitudeSettings { controlled: Controlled::Response, rate, smallest: 0.05 };
     settings.schedule = levels(&[0.6e-3, 1.02e-3])?;
     settings.limits.drive = 4.0;
-    assert_eq!(run("response", &settings)?, (Stage::Finished, StopReason::None));
+    assert_eq!(run("response", &settings)?, (Stage::Finished, EmergencyReason::None));
     // A contact force above its limit ends the test.
     settings.limits.contact_force = 1.0;
-    assert_eq!(run("emergency", &settings)?, (Stage::Stopped, StopReason::ContactForce));
+    assert_eq!(run("emergency", &settings)?, (Stage::Stopped, EmergencyReason::ContactForce));
     Ok(())
 }

@@ -48,30 +48,30 @@ typedef struct {
 // Why settings are refused.
 typedef enum {
   // They are not.
-  NLMODES_REFUSAL_NONE,
+  NLMODES_SETTINGS_REFUSAL_NONE,
   // A pointer is null.
-  NLMODES_REFUSAL_NULL_POINTER,
+  NLMODES_SETTINGS_REFUSAL_NULL_POINTER,
   // A number is not positive, is negative, or is not finite.
-  NLMODES_REFUSAL_NUMBER,
+  NLMODES_SETTINGS_REFUSAL_NUMBER,
   // The start is not between the lowest and the highest frequency.
-  NLMODES_REFUSAL_FREQUENCY_RANGE,
+  NLMODES_SETTINGS_REFUSAL_FREQUENCY_RANGE,
   // The cut-off is too high for the frequency or the sampling.
-  NLMODES_REFUSAL_CUT_OFF,
+  NLMODES_SETTINGS_REFUSAL_CUT_OFF,
   // Too many harmonics, sensors, modes or levels, or too few windows.
-  NLMODES_REFUSAL_COUNT,
+  NLMODES_SETTINGS_REFUSAL_COUNT,
   // A code has no meaning.
-  NLMODES_REFUSAL_CODE,
+  NLMODES_SETTINGS_REFUSAL_CODE,
   // Numbers of sensors that do not fit, or no sensor at the drive point.
-  NLMODES_REFUSAL_SENSORS,
+  NLMODES_SETTINGS_REFUSAL_SENSORS,
   // A harmonic of the force does not answer to the drive.
-  NLMODES_REFUSAL_NO_TRANSFER,
+  NLMODES_SETTINGS_REFUSAL_NO_TRANSFER,
   // A harmonic is above half the sampling frequency.
-  NLMODES_REFUSAL_ABOVE_NYQUIST,
+  NLMODES_SETTINGS_REFUSAL_ABOVE_NYQUIST,
   // Unstable gains.
-  NLMODES_REFUSAL_UNSTABLE_GAINS,
+  NLMODES_SETTINGS_REFUSAL_UNSTABLE_GAINS,
   // A level is above the largest drive.
-  NLMODES_REFUSAL_ABOVE_LIMIT,
-} nlmodes_Refusal;
+  NLMODES_SETTINGS_REFUSAL_ABOVE_LIMIT,
+} nlmodes_SettingsRefusal;
 
 // What the levels of a test are amplitudes of.
 typedef enum {
@@ -116,18 +116,18 @@ typedef enum {
 // Why a test was ended.
 typedef enum {
   // It was not.
-  NLMODES_STOP_REASON_NONE,
+  NLMODES_EMERGENCY_REASON_NONE,
   // The operator wanted it.
-  NLMODES_STOP_REASON_OPERATOR,
+  NLMODES_EMERGENCY_REASON_OPERATOR,
   // The displacement exceeded its limit.
-  NLMODES_STOP_REASON_STROKE,
+  NLMODES_EMERGENCY_REASON_STROKE,
   // The contact force exceeded its limit.
-  NLMODES_STOP_REASON_CONTACT_FORCE,
+  NLMODES_EMERGENCY_REASON_CONTACT_FORCE,
   // The force of the exciter exceeded its limit.
-  NLMODES_STOP_REASON_FORCE,
+  NLMODES_EMERGENCY_REASON_FORCE,
   // No finite samples for too long.
-  NLMODES_STOP_REASON_SILENCE,
-} nlmodes_StopReason;
+  NLMODES_EMERGENCY_REASON_SILENCE,
+} nlmodes_EmergencyReason;
 
 // The settings of a test for C: plain numbers, of which any is checked before it is used.
 //
@@ -339,7 +339,7 @@ typedef struct {
   double confidence;
   // Longest time, s: after it the level is recorded as it is, and counts as not settled.
   double longest;
-} nlmodes_Settling;
+} nlmodes_SteadyCriteria;
 
 // Levels of a test and their timing.
 typedef struct {
@@ -352,7 +352,7 @@ typedef struct {
   // Time at the first level with frozen frequency, s, until response and detector have settled.
   double start;
   // When a level is steady.
-  nlmodes_Settling settling;
+  nlmodes_SteadyCriteria settling;
   // Length of the record of each level, s.
   double record;
 } nlmodes_LevelSchedule;
@@ -558,7 +558,7 @@ typedef struct {
   double amplitude_deviation;
   // Whether all are within tolerance and noise.
   bool settled;
-} nlmodes_Steadiness;
+} nlmodes_Drifts;
 
 // Where in its schedule a test is.
 typedef struct {
@@ -572,7 +572,7 @@ typedef struct {
   // Level that is wanted now.
   double wanted;
   nlmodes_Windows windows;
-  nlmodes_Steadiness steadiness;
+  nlmodes_Drifts drifts;
   // Whether the level that is recorded was steady.
   bool settled;
 } nlmodes_ScheduleState;
@@ -586,7 +586,7 @@ typedef struct {
   nlmodes_complex amplitudes[nlmodes_MAX_HARMONICS];
   // Amplitudes when an emergency began.
   nlmodes_complex stopped_from[nlmodes_MAX_HARMONICS];
-  nlmodes_StopReason stop_reason;
+  nlmodes_EmergencyReason stop_reason;
   // Time without finite samples, s.
   double silent;
   // Phase of the sample before, for the beginnings of periods.
@@ -633,9 +633,9 @@ typedef struct {
   // What the test does.
   nlmodes_Stage stage;
   // Why it was ended.
-  nlmodes_StopReason stop_reason;
+  nlmodes_EmergencyReason stop_reason;
   // How steady the level is.
-  nlmodes_Steadiness steadiness;
+  nlmodes_Drifts drifts;
   // Whether the lag has been within its tolerance for the required time.
   bool locked;
   // Whether this sample belongs to the record of a level.
@@ -654,39 +654,40 @@ extern "C" {
 
 // Fills in defaults for a resonance (rad/s, damping ratio, both roughly), a frequency at the start (rad/s) and a
 // sampling interval (s). There are no levels yet.
-nlmodes_Refusal nlmodes_loop_default_settings(nlmodes_loop_settings *settings,
-                                              double resonance_rad_s,
-                                              double damping_ratio,
-                                              double start_rad_s,
-                                              double step_s);
+nlmodes_SettingsRefusal nlmodes_loop_default_settings(nlmodes_loop_settings *settings,
+                                                      double resonance_rad_s,
+                                                      double damping_ratio,
+                                                      double start_rad_s,
+                                                      double step_s);
 
 // Checks the settings and makes a test of them: before the real-time task begins.
-nlmodes_Refusal nlmodes_loop_prepare(const nlmodes_loop_settings *settings, nlmodes_loop *control);
+nlmodes_SettingsRefusal nlmodes_loop_prepare(const nlmodes_loop_settings *settings,
+                                             nlmodes_loop *control);
 
 // The state before the first sample.
-nlmodes_Refusal nlmodes_loop_start(const nlmodes_loop *control, nlmodes_loop_state *state);
+nlmodes_SettingsRefusal nlmodes_loop_start(const nlmodes_loop *control, nlmodes_loop_state *state);
 
 // One sample: reads `input`, moves `state` on, writes `output`. The same arguments give the same bits.
-nlmodes_Refusal nlmodes_loop_step(const nlmodes_loop *control,
-                                  nlmodes_loop_state *state,
-                                  const nlmodes_loop_input *input,
-                                  nlmodes_loop_output *output);
+nlmodes_SettingsRefusal nlmodes_loop_step(const nlmodes_loop *control,
+                                          nlmodes_loop_state *state,
+                                          const nlmodes_loop_input *input,
+                                          nlmodes_loop_output *output);
 
 // The same for programs that pass numbers and arrays, and no structures; without controlled harmonics. Writes drive at
 // the next sample, angular frequency (rad/s), phase (rad), lag (rad), amplitudes of force (N) and response, level and
 // its index, stage, stop reason, and 1 or 0 for `recorded` and `settled`.
-nlmodes_Refusal nlmodes_loop_step_flat(const nlmodes_loop *control,
-                                       nlmodes_loop_state *state,
-                                       double force_n,
-                                       double response,
-                                       double stroke_m,
-                                       double contact_force_n,
-                                       uint32_t stop,
-                                       double (*output)[nlmodes_FLAT_LENGTH]);
+nlmodes_SettingsRefusal nlmodes_loop_step_flat(const nlmodes_loop *control,
+                                               nlmodes_loop_state *state,
+                                               double force_n,
+                                               double response,
+                                               double stroke_m,
+                                               double contact_force_n,
+                                               uint32_t stop,
+                                               double (*output)[nlmodes_FLAT_LENGTH]);
 
 // Bytes of `nlmodes_loop_settings`, `nlmodes_loop`, `nlmodes_loop_state`, `nlmodes_loop_input` and
 // `nlmodes_loop_output`, for programs that allocate them by their size; each is aligned to 8 bytes.
-nlmodes_Refusal nlmodes_loop_sizes(size_t (*sizes)[5]);
+nlmodes_SettingsRefusal nlmodes_loop_sizes(size_t (*sizes)[5]);
 
 #ifdef __cplusplus
 }  // extern "C"

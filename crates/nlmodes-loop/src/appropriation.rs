@@ -1,8 +1,8 @@
 use num_complex::Complex64;
 
 use crate::adaptive::AdaptiveState;
-use crate::detector::powers;
 use crate::error::{finite, positive};
+use crate::harmonics::powers;
 use crate::math::{cis, norm};
 use crate::{MAX_HARMONICS, MAX_SENSORS, ModalFilter, PhaseLoopError, ResponseQuantity};
 

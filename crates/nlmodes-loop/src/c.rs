@@ -16,7 +16,7 @@ use crate::{PhaseLoopError, Resonance, TestControl, TestInput, TestOutput, TestS
 /// Why settings are refused.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Refusal {
+pub enum SettingsRefusal {
     /// They are not.
     None,
     /// A pointer is null.
@@ -43,7 +43,7 @@ pub enum Refusal {
     AboveLimit,
 }
 
-impl From<PhaseLoopError> for Refusal {
+impl From<PhaseLoopError> for SettingsRefusal {
     fn from(error: PhaseLoopError) -> Self {
         match error {
             PhaseLoopError::NotPositive { .. } | PhaseLoopError::NotFinite { .. } | PhaseLoopError::Negative { .. } => {
@@ -74,10 +74,10 @@ pub extern "C" fn nlmodes_loop_default_settings(
     damping_ratio: f64,
     start_rad_s: f64,
     step_s: f64,
-) -> Refusal {
-    let Some(settings) = settings else { return Refusal::NullPointer };
+) -> SettingsRefusal {
+    let Some(settings) = settings else { return SettingsRefusal::NullPointer };
     settings.write(CSettings::new(Resonance { omega: resonance_rad_s, damping_ratio }, start_rad_s, step_s));
-    Refusal::None
+    SettingsRefusal::None
 }
 
 /// Checks the settings and makes a test of them: before the real-time task begins.
@@ -85,12 +85,12 @@ pub extern "C" fn nlmodes_loop_default_settings(
 pub extern "C" fn nlmodes_loop_prepare(
     settings: Option<&CSettings>,
     control: Option<&mut MaybeUninit<TestControl>>,
-) -> Refusal {
-    let (Some(settings), Some(control)) = (settings, control) else { return Refusal::NullPointer };
+) -> SettingsRefusal {
+    let (Some(settings), Some(control)) = (settings, control) else { return SettingsRefusal::NullPointer };
     match settings.checked().and_then(|settings| TestControl::new(&settings)) {
         Ok(made) => {
             control.write(made);
-            Refusal::None
+            SettingsRefusal::None
         }
         Err(error) => error.into(),
     }
@@ -101,10 +101,10 @@ pub extern "C" fn nlmodes_loop_prepare(
 pub extern "C" fn nlmodes_loop_start(
     control: Option<&TestControl>,
     state: Option<&mut MaybeUninit<TestState>>,
-) -> Refusal {
-    let (Some(control), Some(state)) = (control, state) else { return Refusal::NullPointer };
+) -> SettingsRefusal {
+    let (Some(control), Some(state)) = (control, state) else { return SettingsRefusal::NullPointer };
     state.write(control.start());
-    Refusal::None
+    SettingsRefusal::None
 }
 
 /// One sample: reads `input`, moves `state` on, writes `output`. The same arguments give the same bits.
@@ -114,12 +114,12 @@ pub extern "C" fn nlmodes_loop_step(
     state: Option<&mut TestState>,
     input: Option<&TestInput>,
     output: Option<&mut MaybeUninit<TestOutput>>,
-) -> Refusal {
+) -> SettingsRefusal {
     let (Some(control), Some(state), Some(input), Some(output)) = (control, state, input, output) else {
-        return Refusal::NullPointer;
+        return SettingsRefusal::NullPointer;
     };
     output.write(control.step(state, input));
-    Refusal::None
+    SettingsRefusal::None
 }
 
 /// Length of the array that `nlmodes_loop_step_flat` writes.
@@ -138,8 +138,10 @@ pub extern "C" fn nlmodes_loop_step_flat(
     contact_force_n: f64,
     stop: u32,
     output: Option<&mut MaybeUninit<[f64; FLAT_LENGTH]>>,
-) -> Refusal {
-    let (Some(control), Some(state), Some(output)) = (control, state, output) else { return Refusal::NullPointer };
+) -> SettingsRefusal {
+    let (Some(control), Some(state), Some(output)) = (control, state, output) else {
+        return SettingsRefusal::NullPointer;
+    };
     let input =
         TestInput { stroke: stroke_m, contact_force: contact_force_n, stop, ..TestInput::new(force_n, response) };
     let out = control.step(state, &input);
@@ -157,14 +159,14 @@ pub extern "C" fn nlmodes_loop_step_flat(
         f64::from(u8::from(out.recorded)),
         f64::from(u8::from(out.settled)),
     ]);
-    Refusal::None
+    SettingsRefusal::None
 }
 
 /// Bytes of `nlmodes_loop_settings`, `nlmodes_loop`, `nlmodes_loop_state`, `nlmodes_loop_input` and
 /// `nlmodes_loop_output`, for programs that allocate them by their size; each is aligned to 8 bytes.
 #[unsafe(no_mangle)]
-pub extern "C" fn nlmodes_loop_sizes(sizes: Option<&mut MaybeUninit<[usize; 5]>>) -> Refusal {
-    let Some(sizes) = sizes else { return Refusal::NullPointer };
+pub extern "C" fn nlmodes_loop_sizes(sizes: Option<&mut MaybeUninit<[usize; 5]>>) -> SettingsRefusal {
+    let Some(sizes) = sizes else { return SettingsRefusal::NullPointer };
     sizes.write([
         size_of::<CSettings>(),
         size_of::<TestControl>(),
@@ -172,7 +174,7 @@ pub extern "C" fn nlmodes_loop_sizes(sizes: Option<&mut MaybeUninit<[usize; 5]>>
         size_of::<TestInput>(),
         size_of::<TestOutput>(),
     ]);
-    Refusal::None
+    SettingsRefusal::None
 }
 
 /// A panic would end here. The symbol is defined nowhere: a program in which anything can panic does not link.

@@ -3,7 +3,7 @@ use num_complex::Complex64;
 use crate::{
     AmplitudeSettings, AppropriationSettings, Controlled, ForceAppropriation, Gains, LevelSchedule, Limits,
     LockSettings, LoopSettings, MAX_HARMONICS, MAX_LEVELS, MAX_MODES, MAX_SENSORS, ModalFilter, Order, PhaseDetector,
-    PhaseLoopError, Resonance, ResponseQuantity, Settling, TestSettings,
+    PhaseLoopError, Resonance, ResponseQuantity, SteadyCriteria, TestSettings,
 };
 
 /// The settings of a test for C: plain numbers, of which any is checked before it is used.
@@ -118,7 +118,7 @@ impl CSettings {
     /// The defaults of the library.
     pub(crate) fn new(resonance: Resonance, start: f64, step: f64) -> Self {
         let (phase, limits) = (LoopSettings::new(resonance, start, step), Limits::default());
-        let (settling, lock) = (Settling::default(), phase.lock);
+        let (settling, lock) = (SteadyCriteria::default(), phase.lock);
         Self {
             step_s: step,
             resonance_rad_s: resonance.omega,
@@ -220,8 +220,8 @@ impl CSettings {
         Ok(AmplitudeSettings { controlled, rate: self.amplitude_rate_1_s, smallest: self.smallest_drive })
     }
 
-    fn settling(&self) -> Settling {
-        Settling {
+    fn settling(&self) -> SteadyCriteria {
+        SteadyCriteria {
             periods: self.window_periods as usize,
             windows: self.windows as usize,
             lag: self.settled_lag_rad,

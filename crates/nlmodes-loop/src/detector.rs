@@ -2,12 +2,10 @@ use num_complex::Complex64;
 
 use crate::adaptive::AdaptiveState;
 use crate::demodulation::DemodulationState;
+use crate::harmonics::powers;
 use crate::low_pass::SampledLowPass;
 use crate::math::cis;
-use crate::{LowPass, Order, PhaseLoopError};
-
-/// Most harmonics that the adaptive detector can follow: a fixed number keeps its state free of allocation.
-pub const MAX_HARMONICS: usize = 8;
+use crate::{LowPass, MAX_HARMONICS, Order, PhaseLoopError};
 
 /// How the complex amplitudes of force and response are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -80,16 +78,6 @@ impl PhaseDetector {
 pub(crate) enum PreparedDetector {
     Adaptive { harmonics: u32, rate: f64 },
     Demodulation(SampledLowPass),
-}
-
-/// `z, z², z³ …`
-pub(crate) fn powers(z: Complex64) -> [Complex64; MAX_HARMONICS] {
-    let (mut powers, mut power) = ([z; MAX_HARMONICS], z);
-    for next in powers.iter_mut().skip(1) {
-        power *= z;
-        *next = power;
-    }
-    powers
 }
 
 /// What a detector remembers of force and response.

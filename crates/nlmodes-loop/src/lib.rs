@@ -39,7 +39,7 @@
 //! | part | what it does | item |
 //! | --- | --- | --- |
 //! | limits | stroke, contact force, force, missing samples: the drive goes to zero and stays there | [`Limits`] |
-//! | levels | ramps, time to settle judged against the noise, records | [`LevelSchedule`], [`Settling`] |
+//! | levels | ramps, time to settle judged against the noise, records | [`LevelSchedule`], [`SteadyCriteria`] |
 //! | higher harmonics | the power that damping takes from each harmonic of the motion | [`ForceAppropriation`] |
 //! | amplitude | drive, force or response is brought to its level | [`AmplitudeSettings`] |
 //!
@@ -83,6 +83,7 @@ mod demodulation;
 mod detector;
 mod error;
 mod gains;
+mod harmonics;
 mod limits;
 mod lock;
 mod low_pass;
@@ -92,17 +93,18 @@ mod pll;
 mod quantity;
 mod schedule;
 mod settings;
-mod settling;
 mod state;
+mod steady;
 mod test_control;
 
 pub use amplitude::{AmplitudeSettings, Controlled};
 pub use appropriation::{AppropriationSettings, AppropriationState, ForceAppropriation};
 pub use c_settings::CSettings;
-pub use detector::{MAX_HARMONICS, PhaseDetector};
+pub use detector::PhaseDetector;
 pub use error::PhaseLoopError;
 pub use gains::{Gains, Resonance};
-pub use limits::{Limits, StopReason};
+pub use harmonics::MAX_HARMONICS;
+pub use limits::{EmergencyReason, Limits};
 pub use lock::LockSettings;
 pub use low_pass::{LowPass, Order};
 pub use modal_filter::{MAX_MODES, MAX_SENSORS, ModalFilter};
@@ -110,6 +112,6 @@ pub use pll::PhaseLockedLoop;
 pub use quantity::ResponseQuantity;
 pub use schedule::{LevelSchedule, MAX_LEVELS, Stage};
 pub use settings::LoopSettings;
-pub use settling::{MAX_WINDOWS, Settling, Steadiness};
 pub use state::LoopState;
+pub use steady::{Drifts, MAX_WINDOWS, SteadyCriteria};
 pub use test_control::{TestControl, TestInput, TestOutput, TestSettings, TestState};

@@ -27,7 +27,7 @@ pub struct Limits {
 /// Why a test was ended.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum StopReason {
+pub enum EmergencyReason {
     /// It was not.
     #[default]
     None,
@@ -71,17 +71,17 @@ impl Limits {
     }
 
     /// What these samples exceed. A sample of a limited channel that is not a number counts as missing, not as excess.
-    pub(crate) fn judge(&self, stroke: f64, contact_force: f64, force: f64, silent: f64) -> StopReason {
+    pub(crate) fn judge(&self, stroke: f64, contact_force: f64, force: f64, silent: f64) -> EmergencyReason {
         if stroke.abs() > self.stroke {
-            StopReason::Stroke
+            EmergencyReason::Stroke
         } else if contact_force.abs() > self.contact_force {
-            StopReason::ContactForce
+            EmergencyReason::ContactForce
         } else if force.abs() > self.force {
-            StopReason::Force
+            EmergencyReason::Force
         } else if silent > self.silence {
-            StopReason::Silence
+            EmergencyReason::Silence
         } else {
-            StopReason::None
+            EmergencyReason::None
         }
     }
 
@@ -110,17 +110,17 @@ mod tests {
         let limits = Limits { stroke: 1e-3, contact_force: 50.0, force: 8.0, ..Limits::default() };
         limits.check().unwrap();
         let cases = [
-            ([-1.1e-3, 0.0, 0.0, 0.0], StopReason::Stroke),
-            ([0.0, 51.0, 0.0, 0.0], StopReason::ContactForce),
-            ([0.0, 0.0, -8.1, 0.0], StopReason::Force),
-            ([0.0, 0.0, 0.0, 0.02], StopReason::Silence),
-            ([1e-3, -50.0, 8.0, 0.01], StopReason::None),
+            ([-1.1e-3, 0.0, 0.0, 0.0], EmergencyReason::Stroke),
+            ([0.0, 51.0, 0.0, 0.0], EmergencyReason::ContactForce),
+            ([0.0, 0.0, -8.1, 0.0], EmergencyReason::Force),
+            ([0.0, 0.0, 0.0, 0.02], EmergencyReason::Silence),
+            ([1e-3, -50.0, 8.0, 0.01], EmergencyReason::None),
         ];
         for ([stroke, contact, force, silent], reason) in cases {
             assert_eq!(limits.judge(stroke, contact, force, silent), reason);
             assert_eq!(
                 Limits { silence: 1.0, ..Limits::default() }.judge(stroke, contact, force, silent),
-                StopReason::None
+                EmergencyReason::None
             );
         }
         assert!(!limits.are_read(f64::NAN, 0.0) && Limits::default().are_read(f64::NAN, f64::NAN));

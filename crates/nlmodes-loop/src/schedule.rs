@@ -1,6 +1,6 @@
 use crate::PhaseLoopError;
 use crate::error::{not_negative, positive};
-use crate::settling::{Means, Settling, Steadiness, Windows};
+use crate::steady::{Drifts, Means, SteadyCriteria, Windows};
 
 /// Most levels of a schedule.
 pub const MAX_LEVELS: usize = 64;
@@ -18,7 +18,7 @@ pub struct LevelSchedule {
     /// Time at the first level with frozen frequency, s, until response and detector have settled.
     pub start: f64,
     /// When a level is steady.
-    pub settling: Settling,
+    pub settling: SteadyCriteria,
     /// Length of the record of each level, s.
     pub record: f64,
 }
@@ -34,7 +34,14 @@ impl LevelSchedule {
             return Err(PhaseLoopError::TooMany { what: "levels", given: levels.len(), most: MAX_LEVELS });
         }
         all.iter_mut().zip(levels).for_each(|(mine, given)| *mine = *given);
-        Ok(Self { levels: all, count: levels.len(), ramp: 1.0, start: 1.0, settling: Settling::default(), record: 1.0 })
+        Ok(Self {
+            levels: all,
+            count: levels.len(),
+            ramp: 1.0,
+            start: 1.0,
+            settling: SteadyCriteria::default(),
+            record: 1.0,
+        })
     }
 
     /// The levels.
@@ -98,7 +105,7 @@ pub(crate) struct ScheduleState {
     /// Level that is wanted now.
     pub(crate) wanted: f64,
     windows: Windows,
-    pub(crate) steadiness: Steadiness,
+    pub(crate) drifts: Drifts,
     /// Whether the level that is recorded was steady.
     pub(crate) settled: bool,
 }
@@ -111,7 +118,7 @@ impl ScheduleState {
         from: 0.0,
         wanted: 0.0,
         windows: Windows::EMPTY,
-        steadiness: Steadiness {
+        drifts: Drifts {
             lag_error: 0.0,
             lag_noise: 0.0,
             frequency_drift: 0.0,
@@ -161,10 +168,10 @@ impl ScheduleState {
             }
             Stage::Settle => {
                 if let Some(found) = self.windows.push(&plan.settling, sample, wrapped, step) {
-                    self.steadiness = Steadiness { settled: found.settled && !impeded, ..found };
+                    self.drifts = Drifts { settled: found.settled && !impeded, ..found };
                 }
-                if self.steadiness.settled || self.is_over(plan.settling.longest, step) {
-                    self.settled = self.steadiness.settled;
+                if self.drifts.settled || self.is_over(plan.settling.longest, step) {
+                    self.settled = self.drifts.settled;
                     self.begin(Stage::Record);
                 }
             }
@@ -193,7 +200,7 @@ impl ScheduleState {
 
     fn settle(&mut self) {
         self.begin(Stage::Settle);
-        (self.windows, self.steadiness, self.settled) = (Windows::EMPTY, Self::START.steadiness, false);
+        (self.windows, self.drifts, self.settled) = (Windows::EMPTY, Self::START.drifts, false);
     }
 
     /// The level of this sample on a line to `to`; whether it is there.
@@ -235,7 +242,7 @@ mod tests {
 
     #[test]
     fn levels_follow_each_other_with_the_lengths_that_were_asked_for() {
-        let settling = Settling { periods: 5, windows: 3, longest: 2.0, ..Settling::default() };
+        let settling = SteadyCriteria { periods: 5, windows: 3, longest: 2.0, ..SteadyCriteria::default() };
         let plan =
             LevelSchedule { ramp: 0.5, start: 0.3, record: 0.2, settling, ..LevelSchedule::new(&[1.0, 2.5]).unwrap() };
         let found = course(&plan, false);

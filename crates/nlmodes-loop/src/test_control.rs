@@ -1,15 +1,15 @@
 use num_complex::Complex64;
 
 use crate::appropriation::AppropriationState;
-use crate::detector::powers;
+use crate::harmonics::powers;
 use crate::limits::fade;
 use crate::math::{between, cis, norm};
 use crate::pll::PreparedLoop;
 use crate::schedule::{ScheduleState, samples};
-use crate::settling::Means;
+use crate::steady::Means;
 use crate::{
-    AmplitudeSettings, Controlled, ForceAppropriation, LevelSchedule, Limits, LoopSettings, LoopState, MAX_HARMONICS,
-    MAX_SENSORS, PhaseLoopError, Stage, Steadiness, StopReason,
+    AmplitudeSettings, Controlled, Drifts, EmergencyReason, ForceAppropriation, LevelSchedule, Limits, LoopSettings,
+    LoopState, MAX_HARMONICS, MAX_SENSORS, PhaseLoopError, Stage,
 };
 
 /// Everything that the control of a test has to know.
@@ -92,9 +92,9 @@ pub struct TestOutput {
     /// What the test does.
     pub stage: Stage,
     /// Why it was ended.
-    pub stop_reason: StopReason,
+    pub stop_reason: EmergencyReason,
     /// How steady the level is.
-    pub steadiness: Steadiness,
+    pub drifts: Drifts,
     /// Whether the lag has been within its tolerance for the required time.
     pub locked: bool,
     /// Whether this sample belongs to the record of a level.
@@ -118,7 +118,7 @@ pub struct TestState {
     amplitudes: [Complex64; MAX_HARMONICS],
     /// Amplitudes when an emergency began.
     stopped_from: [Complex64; MAX_HARMONICS],
-    stop_reason: StopReason,
+    stop_reason: EmergencyReason,
     /// Time without finite samples, s.
     silent: f64,
     /// Phase of the sample before, for the beginnings of periods.
@@ -164,7 +164,7 @@ impl TestControl {
             schedule: ScheduleState::START,
             amplitudes: [Complex64::ZERO; MAX_HARMONICS],
             stopped_from: [Complex64::ZERO; MAX_HARMONICS],
-            stop_reason: StopReason::None,
+            stop_reason: EmergencyReason::None,
             silent: 0.0,
             phase_before: 0.0,
             drive_at_limit: false,
@@ -178,7 +178,7 @@ impl TestControl {
         state.phase = state.phase.hold_frequency(state.schedule.freezes());
         let omega = state.phase.omega;
         state.phase = self.phase.step(&state.phase, input.force, input.response);
-        if state.stop_reason == StopReason::None {
+        if state.stop_reason == EmergencyReason::None {
             self.follow(state, theta);
             self.drive(state, input, theta, omega);
         } else {
@@ -194,12 +194,12 @@ impl TestControl {
             && input.response.is_finite()
             && self.limits.are_read(input.stroke, input.contact_force);
         state.silent = if read { 0.0 } else { state.silent + self.phase.step };
-        if state.stop_reason != StopReason::None {
+        if state.stop_reason != EmergencyReason::None {
             return;
         }
         let excess = self.limits.judge(input.stroke, input.contact_force, input.force, state.silent);
-        state.stop_reason = if input.stop != 0 { StopReason::Operator } else { excess };
-        if state.stop_reason != StopReason::None {
+        state.stop_reason = if input.stop != 0 { EmergencyReason::Operator } else { excess };
+        if state.stop_reason != EmergencyReason::None {
             state.stopped_from = state.amplitudes;
             state.schedule.begin(Stage::Stopping);
         }
@@ -265,7 +265,7 @@ impl TestControl {
             level_index: state.schedule.level,
             stage: state.schedule.stage,
             stop_reason: state.stop_reason,
-            steadiness: state.schedule.steadiness,
+            drifts: state.schedule.drifts,
             locked: state.phase.locked,
             recorded: state.schedule.stage == Stage::Record,
             settled: state.schedule.settled,
@@ -292,7 +292,7 @@ impl TestState {
     }
 
     /// Why it was ended.
-    pub fn stop_reason(&self) -> StopReason {
+    pub fn stop_reason(&self) -> EmergencyReason {
         self.stop_reason
     }
 }

@@ -5,16 +5,16 @@ use num_complex::Complex64;
 use super::*;
 use crate::{
     AmplitudeSettings, AppropriationSettings, Controlled, ForceAppropriation, Gains, LevelSchedule, Limits,
-    LockSettings, LoopSettings, ModalFilter, Order, PhaseDetector, ResponseQuantity, Settling, TestSettings,
+    LockSettings, LoopSettings, ModalFilter, Order, PhaseDetector, ResponseQuantity, SteadyCriteria, TestSettings,
 };
 
 const STEP: f64 = 1e-4;
 const RESONANCE: Resonance = Resonance { omega: 250.0, damping_ratio: 0.01 };
 
 /// What a function has written.
-fn written<T>(write: impl FnOnce(Option<&mut MaybeUninit<T>>) -> Refusal) -> T {
+fn written<T>(write: impl FnOnce(Option<&mut MaybeUninit<T>>) -> SettingsRefusal) -> T {
     let mut place = MaybeUninit::uninit();
-    assert_eq!(write(Some(&mut place)), Refusal::None);
+    assert_eq!(write(Some(&mut place)), SettingsRefusal::None);
     // SAFETY: a function that does not refuse has written all of it.
     unsafe { place.assume_init() }
 }
@@ -23,11 +23,11 @@ fn defaults() -> CSettings {
     written(|place| nlmodes_loop_default_settings(place, RESONANCE.omega, RESONANCE.damping_ratio, 248.0, STEP))
 }
 
-fn prepared(settings: &CSettings) -> Result<TestControl, Refusal> {
+fn prepared(settings: &CSettings) -> Result<TestControl, SettingsRefusal> {
     let mut place = MaybeUninit::uninit();
     match nlmodes_loop_prepare(Some(settings), Some(&mut place)) {
         // SAFETY: as in `written`.
-        Refusal::None => Ok(unsafe { place.assume_init() }),
+        SettingsRefusal::None => Ok(unsafe { place.assume_init() }),
         refusal => Err(refusal),
     }
 }
@@ -61,7 +61,7 @@ fn both() -> (CSettings, TestSettings) {
     let quantities = [ResponseQuantity::Velocity, ResponseQuantity::Acceleration];
     let harmonics = AppropriationSettings::new(3, modes, &quantities, 1, STEP, 20.0).unwrap();
     let harmonics = AppropriationSettings { rate: 3.0, largest: 0.6, ..harmonics };
-    let settling = Settling {
+    let settling = SteadyCriteria {
         periods: 3,
         windows: 4,
         lag: 0.1,
@@ -180,7 +180,7 @@ fn the_flat_step_writes_what_the_structure_has() {
         assert_eq!(numbers[10..], [f64::from(u8::from(out.recorded)), f64::from(u8::from(out.settled))]);
         assert!(flat == whole, "{k}");
     }
-    assert!(whole.stop_reason() == crate::StopReason::Operator);
+    assert!(whole.stop_reason() == crate::EmergencyReason::Operator);
 }
 
 #[test]
@@ -191,28 +191,28 @@ fn what_cannot_be_is_refused_by_its_code() {
         change(&mut settings);
         prepared(&settings).unwrap_err()
     };
-    assert_eq!(refused(&|s| s.step_s = 0.0), Refusal::Number);
-    assert_eq!(refused(&|s| s.ramp_s = -1.0), Refusal::Number);
-    assert_eq!(refused(&|s| s.lag_rad = f64::NAN), Refusal::Number);
-    assert_eq!(refused(&|s| s.largest_stroke_m = f64::NAN), Refusal::Number);
-    assert_eq!(refused(&|s| s.start_rad_s = 199.0), Refusal::FrequencyRange);
-    assert_eq!(refused(&|s| s.cut_off_rad_s = 100.0), Refusal::CutOff);
-    assert_eq!(refused(&|s| s.windows = 2), Refusal::Count);
-    assert_eq!(refused(&|s| s.level_count = 65), Refusal::Count);
-    assert_eq!(refused(&|s| s.level_count = u32::MAX), Refusal::Count);
-    assert_eq!(refused(&|s| s.sensor_count = 33), Refusal::Count);
-    assert_eq!(refused(&|s| s.mode_count = 17), Refusal::Count);
-    assert_eq!(refused(&|s| s.controlled_harmonics = 9), Refusal::Count);
-    assert_eq!(refused(&|s| (s.detector, s.detector_harmonics) = (0, 9)), Refusal::Count);
-    assert_eq!(refused(&|s| s.quantity = 3), Refusal::Code);
-    assert_eq!(refused(&|s| s.sensor_quantities[1] = 7), Refusal::Code);
-    assert_eq!(refused(&|s| s.detector = 3), Refusal::Code);
-    assert_eq!(refused(&|s| s.controlled = 3), Refusal::Code);
-    assert_eq!(refused(&|s| s.drive_sensor = 2), Refusal::Sensors);
-    assert_eq!(refused(&|s| s.transfer[1] = Complex64::ZERO), Refusal::NoTransfer);
-    assert_eq!(refused(&|s| s.integral_1_s2 = 1e6), Refusal::UnstableGains);
-    assert_eq!(refused(&|s| (s.controlled, s.largest_drive) = (0, 0.8)), Refusal::AboveLimit);
-    assert_eq!(refused(&|s| (s.detector, s.step_s, s.cut_off_rad_s) = (0, 4e-3, 15.0)), Refusal::AboveNyquist);
+    assert_eq!(refused(&|s| s.step_s = 0.0), SettingsRefusal::Number);
+    assert_eq!(refused(&|s| s.ramp_s = -1.0), SettingsRefusal::Number);
+    assert_eq!(refused(&|s| s.lag_rad = f64::NAN), SettingsRefusal::Number);
+    assert_eq!(refused(&|s| s.largest_stroke_m = f64::NAN), SettingsRefusal::Number);
+    assert_eq!(refused(&|s| s.start_rad_s = 199.0), SettingsRefusal::FrequencyRange);
+    assert_eq!(refused(&|s| s.cut_off_rad_s = 100.0), SettingsRefusal::CutOff);
+    assert_eq!(refused(&|s| s.windows = 2), SettingsRefusal::Count);
+    assert_eq!(refused(&|s| s.level_count = 65), SettingsRefusal::Count);
+    assert_eq!(refused(&|s| s.level_count = u32::MAX), SettingsRefusal::Count);
+    assert_eq!(refused(&|s| s.sensor_count = 33), SettingsRefusal::Count);
+    assert_eq!(refused(&|s| s.mode_count = 17), SettingsRefusal::Count);
+    assert_eq!(refused(&|s| s.controlled_harmonics = 9), SettingsRefusal::Count);
+    assert_eq!(refused(&|s| (s.detector, s.detector_harmonics) = (0, 9)), SettingsRefusal::Count);
+    assert_eq!(refused(&|s| s.quantity = 3), SettingsRefusal::Code);
+    assert_eq!(refused(&|s| s.sensor_quantities[1] = 7), SettingsRefusal::Code);
+    assert_eq!(refused(&|s| s.detector = 3), SettingsRefusal::Code);
+    assert_eq!(refused(&|s| s.controlled = 3), SettingsRefusal::Code);
+    assert_eq!(refused(&|s| s.drive_sensor = 2), SettingsRefusal::Sensors);
+    assert_eq!(refused(&|s| s.transfer[1] = Complex64::ZERO), SettingsRefusal::NoTransfer);
+    assert_eq!(refused(&|s| s.integral_1_s2 = 1e6), SettingsRefusal::UnstableGains);
+    assert_eq!(refused(&|s| (s.controlled, s.largest_drive) = (0, 0.8)), SettingsRefusal::AboveLimit);
+    assert_eq!(refused(&|s| (s.detector, s.step_s, s.cut_off_rad_s) = (0, 4e-3, 15.0)), SettingsRefusal::AboveNyquist);
 }
 
 #[test]
@@ -220,7 +220,7 @@ fn null_pointers_are_refused() {
     let (c, _) = both();
     let control = prepared(&c).unwrap();
     let (mut state, input, mut output) = (control.start(), TestInput::new(0.0, 0.0), MaybeUninit::uninit());
-    let null = Refusal::NullPointer;
+    let null = SettingsRefusal::NullPointer;
     assert_eq!(nlmodes_loop_default_settings(None, 250.0, 0.01, 250.0, STEP), null);
     assert_eq!(nlmodes_loop_prepare(None, Some(&mut MaybeUninit::uninit())), null);
     assert_eq!(nlmodes_loop_prepare(Some(&c), None), null);

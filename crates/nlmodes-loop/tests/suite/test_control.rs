@@ -4,9 +4,9 @@ use num_complex::Complex64;
 use proptest::prelude::*;
 
 use nlmodes_loop::{
-    AmplitudeSettings, AppropriationSettings, Controlled, ForceAppropriation, LevelSchedule, Limits, LoopSettings,
-    ModalFilter, PhaseLoopError, Resonance, ResponseQuantity, Settling, Stage, StopReason, TestControl, TestInput,
-    TestOutput, TestSettings, TestState,
+    AmplitudeSettings, AppropriationSettings, Controlled, EmergencyReason, ForceAppropriation, LevelSchedule, Limits,
+    LoopSettings, ModalFilter, PhaseLoopError, Resonance, ResponseQuantity, Stage, SteadyCriteria, TestControl,
+    TestInput, TestOutput, TestSettings, TestState,
 };
 
 const STEP: f64 = 1e-4;
@@ -19,7 +19,7 @@ const PER_NEWTON: f64 = 1.0 / (2.0 * DAMPING * OMEGA * OMEGA);
 
 fn settings(levels: &[f64]) -> TestSettings {
     let resonance = Resonance { omega: OMEGA, damping_ratio: DAMPING };
-    let settling = Settling { periods: 10, ..Settling::default() };
+    let settling = SteadyCriteria { periods: 10, ..SteadyCriteria::default() };
     TestSettings {
         phase: LoopSettings::new(resonance, OMEGA - 1.0, STEP),
         amplitude: AmplitudeSettings::drive(),
@@ -155,16 +155,16 @@ fn force_and_response_are_brought_to_their_levels_whatever_the_gain_of_the_excit
 fn a_level_settles_within_its_noise_and_not_before() {
     let noisy = || Oscillator::new(0.0, 1e-5);
     let mut plan = settings(&[0.6]);
-    let tight = Settling { lag: 1e-5, frequency_drift: 1e-7, amplitude_drift: 1e-5, ..plan.schedule.settling };
-    plan.schedule.settling = Settling { longest: 5.0, ..tight };
+    let tight = SteadyCriteria { lag: 1e-5, frequency_drift: 1e-7, amplitude_drift: 1e-5, ..plan.schedule.settling };
+    plan.schedule.settling = SteadyCriteria { longest: 5.0, ..tight };
     let by_noise = Bench::new(&plan, noisy()).records()[0];
-    assert!(by_noise.settled && by_noise.steadiness.lag_noise > 0.0, "{:?}", by_noise.steadiness);
+    assert!(by_noise.settled && by_noise.drifts.lag_noise > 0.0, "{:?}", by_noise.drifts);
     plan.schedule.settling.confidence = 0.0;
     let by_tolerance = Bench::new(&plan, noisy()).records()[0];
-    assert!(!by_tolerance.settled, "{:?}", by_tolerance.steadiness);
+    assert!(!by_tolerance.settled, "{:?}", by_tolerance.drifts);
     // What counts as settled is near the truth by what its noise says.
-    let error = by_noise.steadiness.lag_error.abs();
-    assert!(error < tight.lag + 3.0 * by_noise.steadiness.lag_noise, "{error}");
+    let error = by_noise.drifts.lag_error.abs();
+    assert!(error < tight.lag + 3.0 * by_noise.drifts.lag_noise, "{error}");
     // A jump of the level right after the ramp is no noise: the time constant of the response is 0.4 s.
     plan.schedule.settling = settings(&[]).schedule.settling;
     (plan.schedule.ramp, plan.schedule.start) = (0.0, 0.0);
@@ -185,25 +185,25 @@ fn largest(bench: &mut Bench, samples: usize) -> f64 {
 fn each_excess_ends_the_test_at_once_and_for_good() {
     let limits = Limits { stroke: 2e-3, contact_force: 60.0, force: 1.5, silence: 0.005, ..Limits::default() };
     type Change = fn(&mut TestInput);
-    let cases: [(Change, StopReason); 7] = [
-        (|input| input.stroke = -2.01e-3, StopReason::Stroke),
-        (|input| input.stroke = f64::INFINITY, StopReason::Stroke),
-        (|input| input.contact_force = 60.1, StopReason::ContactForce),
-        (|input| input.force = -1.6, StopReason::Force),
-        (|input| input.stop = 1, StopReason::Operator),
-        (|input| input.response = f64::NAN, StopReason::Silence),
-        (|input| input.contact_force = f64::NAN, StopReason::Silence),
+    let cases: [(Change, EmergencyReason); 7] = [
+        (|input| input.stroke = -2.01e-3, EmergencyReason::Stroke),
+        (|input| input.stroke = f64::INFINITY, EmergencyReason::Stroke),
+        (|input| input.contact_force = 60.1, EmergencyReason::ContactForce),
+        (|input| input.force = -1.6, EmergencyReason::Force),
+        (|input| input.stop = 1, EmergencyReason::Operator),
+        (|input| input.response = f64::NAN, EmergencyReason::Silence),
+        (|input| input.contact_force = f64::NAN, EmergencyReason::Silence),
     ];
     for stop_duration in [0.0, 0.05] {
         for (change, reason) in cases {
             let limits = Limits { stop_duration, ..limits };
             let mut bench = Bench::new(&TestSettings { limits, ..settings(&[0.8]) }, Oscillator::new(0.0, 0.0));
             let before = largest(&mut bench, 25_000);
-            assert!(before > 0.79 && bench.state.stop_reason() == StopReason::None);
-            let at_once = reason != StopReason::Silence;
+            assert!(before > 0.79 && bench.state.stop_reason() == EmergencyReason::None);
+            let at_once = reason != EmergencyReason::Silence;
             for k in 0..60 {
                 bench.step(change);
-                let expected = if at_once || k >= 50 { reason } else { StopReason::None };
+                let expected = if at_once || k >= 50 { reason } else { EmergencyReason::None };
                 assert_eq!(bench.state.stop_reason(), expected, "{k}");
             }
             // What comes after does not wake it up.

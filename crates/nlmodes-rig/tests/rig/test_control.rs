@@ -4,10 +4,10 @@
 use std::f64::consts::TAU;
 use std::mem::MaybeUninit;
 
-use nlmodes_experiment::phase_loop::c::{Refusal, nlmodes_loop_step};
+use nlmodes_experiment::phase_loop::c::{SettingsRefusal, nlmodes_loop_step};
 use nlmodes_experiment::phase_loop::{
-    AmplitudeSettings, Controlled, LevelSchedule, Limits, LoopSettings, Resonance, Settling, Stage, StopReason,
-    TestControl, TestInput, TestOutput, TestSettings, TestState,
+    AmplitudeSettings, Controlled, EmergencyReason, LevelSchedule, Limits, LoopSettings, Resonance, Stage,
+    SteadyCriteria, TestControl, TestInput, TestOutput, TestSettings, TestState,
 };
 use nlmodes_rig::{Drive, Exciter, RigSetup, Session, Shaker, VirtualRig};
 
@@ -24,7 +24,7 @@ fn setup() -> RigSetup {
 
 fn settings(levels: &[f64]) -> TestSettings {
     let resonance = Resonance { omega: TAU * 40.1, damping_ratio: 0.0019 };
-    let settling = Settling { periods: 10, longest: 10.0, ..Settling::default() };
+    let settling = SteadyCriteria { periods: 10, longest: 10.0, ..SteadyCriteria::default() };
     TestSettings {
         phase: LoopSettings::new(resonance, TAU * 40.0, beam::INTERVAL),
         amplitude: AmplitudeSettings::drive(),
@@ -71,7 +71,7 @@ impl Bench {
         let (before, phase) = (*self.state.amplitudes(), self.state.phase().drive_phase());
         let output = &mut MaybeUninit::uninit();
         let said = nlmodes_loop_step(Some(&self.control), Some(&mut self.state), Some(&input), Some(output));
-        assert_eq!(said, Refusal::None);
+        assert_eq!(said, SettingsRefusal::None);
         let amplitudes = [before, *self.state.amplitudes()];
         self.rig.advance(&Drive { amplitudes, phase, omega: self.state.phase().omega() }).unwrap();
     }
@@ -130,11 +130,11 @@ fn a_contact_force_above_its_limit_ends_the_test() {
     let limits = Limits { contact_force: 5.0, stop_duration: 0.02, ..Limits::default() };
     let mut bench = Bench::new(&TestSettings { limits, ..settings(&[1.4]) });
     let mut largest = 0.0_f64;
-    while bench.state.stop_reason() == StopReason::None {
+    while bench.state.stop_reason() == EmergencyReason::None {
         largest = largest.max(bench.rig.exact(CONTACT).unwrap());
         bench.step(true);
     }
-    assert_eq!(bench.state.stop_reason(), StopReason::ContactForce);
+    assert_eq!(bench.state.stop_reason(), EmergencyReason::ContactForce);
     for _ in 0..20_000 {
         bench.step(true);
     }

@@ -17,7 +17,7 @@ pub const MAX_WINDOWS: usize = 16;
 /// frequency alternate, so that their errors are rather overestimated.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Settling {
+pub struct SteadyCriteria {
     /// Periods a window.
     pub periods: usize,
     /// Number of windows `n`, from 3 to [`MAX_WINDOWS`].
@@ -36,7 +36,7 @@ pub struct Settling {
     pub longest: f64,
 }
 
-impl Default for Settling {
+impl Default for SteadyCriteria {
     /// Six windows of 20 periods, 0.02 degrees, 3e-6/s, 3e-4/s, 0.1 % of a controlled amplitude, three standard errors,
     /// at most 40 s.
     fn default() -> Self {
@@ -53,7 +53,7 @@ impl Default for Settling {
     }
 }
 
-impl Settling {
+impl SteadyCriteria {
     pub(crate) fn check(&self) -> Result<(), PhaseLoopError> {
         positive("periods a window", self.periods as f64)?;
         if !(3..=MAX_WINDOWS).contains(&self.windows) {
@@ -68,7 +68,7 @@ impl Settling {
     }
 
     /// Judges the windows, `length` seconds each.
-    fn judge(&self, windows: &Windows, length: f64) -> Steadiness {
+    fn judge(&self, windows: &Windows, length: f64) -> Drifts {
         let line = |of: fn(&Means) -> f64| Line::through(windows, self.windows, of);
         let (lag, omega) = (line(|w| w.lag_error), line(|w| w.omega));
         let (response, deviation) = (line(|w| w.response), line(|w| w.deviation));
@@ -76,7 +76,7 @@ impl Settling {
         let ([frequency, frequency_error], [amplitude, amplitude_error]) = (drift(&omega), drift(&response));
         // Formulated such that NaN is not settled.
         let within = |value: f64, tolerance: f64, error: f64| value.abs() <= tolerance + self.confidence * error;
-        Steadiness {
+        Drifts {
             lag_error: lag.mean,
             lag_noise: lag.mean_error,
             frequency_drift: frequency,
@@ -95,7 +95,7 @@ impl Settling {
 /// How steady the last windows are; all zero before there are enough of them.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Steadiness {
+pub struct Drifts {
     /// Mean deviation of the lag from its target, rad.
     pub lag_error: f64,
     /// Its standard error, rad.
@@ -159,11 +159,11 @@ impl Windows {
     /// are enough.
     pub(crate) fn push(
         &mut self,
-        settings: &Settling,
+        settings: &SteadyCriteria,
         sample: Option<Means>,
         wrapped: bool,
         step: f64,
-    ) -> Option<Steadiness> {
+    ) -> Option<Drifts> {
         let mut judged = None;
         if wrapped {
             if self.periods >= settings.periods {
@@ -242,7 +242,7 @@ mod tests {
     const STEP: f64 = 1e-3;
 
     /// Periods of ten samples with these means; the judgements.
-    fn judged(settings: &Settling, of: impl Fn(f64, usize) -> Option<Means>, periods: usize) -> Vec<Steadiness> {
+    fn judged(settings: &SteadyCriteria, of: impl Fn(f64, usize) -> Option<Means>, periods: usize) -> Vec<Drifts> {
         let mut windows = Windows::EMPTY;
         let one = |k: usize| windows.push(settings, of(STEP * k as f64, k), k.is_multiple_of(10), STEP);
         (0..10 * periods + 1).filter_map(one).collect()
@@ -250,7 +250,7 @@ mod tests {
 
     #[test]
     fn a_drift_is_the_slope_of_its_line_and_a_tolerance_separates() {
-        let settings = Settling { periods: 5, ..Settling::default() };
+        let settings = SteadyCriteria { periods: 5, ..SteadyCriteria::default() };
         let drifting = |rate: f64| {
             let omega = |t: f64| 250.0 * (1.0 + rate * t);
             let of = |t: f64, _| Some(Means { lag_error: 1e-5, omega: omega(t), response: 1e-4, deviation: 0.0 });
@@ -268,13 +268,13 @@ mod tests {
     /// n − 2 = 4 degrees of freedom says, and a drift of ten standard errors does not.
     #[test]
     fn noise_alone_settles_and_a_drift_beyond_it_does_not() {
-        let settings = Settling {
+        let settings = SteadyCriteria {
             periods: 1,
             lag: 0.0,
             frequency_drift: 0.0,
             amplitude_drift: 0.0,
             amplitude: 0.0,
-            ..Settling::default()
+            ..SteadyCriteria::default()
         };
         let mut seed = 1_u64;
         let mut noise = move || {
@@ -304,7 +304,7 @@ mod tests {
     /// A sample that is missing now and then delays nothing; a window of which more than half is missing does.
     #[test]
     fn what_could_not_be_measured_is_left_out() {
-        let settings = Settling { periods: 1, ..Settling::default() };
+        let settings = SteadyCriteria { periods: 1, ..SteadyCriteria::default() };
         let missing = |every: usize, of: usize| {
             let mean = Means { lag_error: 0.0, omega: 250.0, response: 1.0, deviation: 0.0 };
             let judged = judged(&settings, |_, k| (k % of >= every).then_some(mean), 20);
@@ -317,7 +317,7 @@ mod tests {
     #[test]
     fn the_number_of_windows_is_limited() {
         for windows in [2, 17] {
-            let refused = Settling { windows, ..Settling::default() }.check();
+            let refused = SteadyCriteria { windows, ..SteadyCriteria::default() }.check();
             assert!(matches!(refused, Err(PhaseLoopError::Windows { .. })));
         }
     }
