@@ -43,4 +43,19 @@ mod tests {
     fn the_script_cannot_end_its_element() {
         assert!(!SCRIPT.contains("</") && !SCRIPT.contains("<!--"));
     }
+
+    #[test]
+    fn no_name_of_the_script_is_declared_twice() {
+        // One that is makes the whole script an error of syntax, and leaves the page without life.
+        let names = SCRIPT.lines().filter_map(|line| {
+            let mut words = line.split(|c: char| !(c.is_alphanumeric() || c == '_'));
+            let kind = words.find(|word| *word != "async")?;
+            ["const", "let", "class", "function"].contains(&kind).then(|| words.next())?
+        });
+        let mut names: Vec<&str> = names.filter(|name| !name.is_empty()).collect();
+        names.sort_unstable();
+        assert!(names.len() > 50 && names.contains(&"largest") && names.contains(&"begin"));
+        let twice: Vec<&[&str]> = names.windows(2).filter(|pair| pair[0] == pair[1]).collect();
+        assert!(twice.is_empty(), "{twice:?}");
+    }
 }

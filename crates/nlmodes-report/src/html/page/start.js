@@ -67,12 +67,12 @@ function begin() {
       byId("branches").scrollIntoView({ block: "start" });
     });
   }
-  const first = largest() || DATA.marks[DATA.marks.length - 1] || [0, 0];
+  const first = largestResponse() || DATA.marks[DATA.marks.length - 1] || [0, 0];
   if (DATA.branches.length && DATA.branches[first[0]].frequency.length) choose(first[0], first[1]);
 }
 
 /// Branch and point of the largest response; none on a page without responses.
-function largest() {
+function largestResponse() {
   if (!(DATA.quantities || []).length) return null;
   let found = null, most = 0;
   DATA.branches.forEach((branch, key) => (branch.extra && branch.extra[0] || []).forEach((value, index) => {
