@@ -57,14 +57,15 @@ impl Projection {
 }
 
 impl MixedShooting<'_> {
-    /// Modal coordinates of the motion with the unknowns `x`, modes × (H + 1), m·√kg; of one in open modes, whose modal
-    /// points have all its coordinates, [`Projection::of_motion`] makes them.
+    /// Modal coordinates of the motion with the unknowns `x`, modes × (H + 1), m·√kg.
     ///
     /// # Errors
     /// [`HbmError`] if the contact problem has no solution there.
     pub fn modal_coordinates(&mut self, x: &[f64], onto: &Projection) -> Result<HarmonicCoefficients, HbmError> {
         if self.is_in_open_modes() {
-            return Ok(HarmonicCoefficients::zeros(0, 0));
+            // Its modal points have all its coordinates.
+            let motion = self.modal_point(x, 0.0)?.coefficients;
+            return Ok(onto.of_motion(&motion).unwrap_or_else(|| HarmonicCoefficients::zeros(0, 0)));
         }
         self.solve(x)?;
         let omega = self.omega(x);
