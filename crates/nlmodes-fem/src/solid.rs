@@ -2,7 +2,7 @@
 
 mod shape;
 
-use nalgebra::{Matrix3, Matrix6, SymmetricEigen, Vector6};
+use nalgebra::{Matrix3, SymmetricEigen};
 use nlmodes_linalg::Mat;
 
 use crate::FemError;
@@ -33,8 +33,10 @@ pub struct Solid {
 pub struct NodalStress {
     /// The nodes that belong to an element, ascending.
     pub nodes: Vec<usize>,
-    /// `σ_xx, σ_yy, σ_zz, σ_xy, σ_yz, σ_zx` of each node, one below the other, a column a state, Pa.
-    pub values: Mat<f64>,
+    /// Number of states.
+    pub states: usize,
+    /// `σ_xx, σ_yy, σ_zz, σ_xy, σ_yz, σ_zx` of each node, one line below the other, each with a number a state, Pa.
+    pub values: Vec<f64>,
 }
 
 impl NodalStress {
@@ -59,48 +61,109 @@ impl NodalStress {
         let nodes: Vec<usize> = (0..places.len()).filter(|node| counts[*node] > 0).collect();
         let mut row = vec![0; places.len()];
         nodes.iter().enumerate().for_each(|(k, node)| row[*node] = k);
-        let mut values = Mat::zeros(6 * nodes.len(), displacements.ncols());
+        let states = displacements.ncols();
+        let mut values = vec![0.0; 6 * nodes.len() * states];
+        let (mut moved, mut stress, mut known) = (Vec::new(), Vec::new(), Vec::new());
         for (element, solid) in elements.iter().enumerate() {
-            let own: Vec<[f64; 3]> = solid.nodes.iter().map(|node| places[*node]).collect();
-            let recovery = recovery(solid, &own).ok_or(FemError::InsideOut { element })?;
-            let moved = Mat::from_fn(3 * solid.nodes.len(), displacements.ncols(), |i, j| {
-                displacements[(3 * solid.nodes[i / 3] + i % 3, j)]
-            });
-            let stress = recovery * moved;
-            for (k, node) in solid.nodes.iter().enumerate() {
-                let share = 1.0 / counts[*node] as f64;
-                for j in 0..stress.ncols() {
-                    (0..6).for_each(|i| values[(6 * row[*node] + i, j)] += share * stress[(6 * k + i, j)]);
+            gather(solid, displacements, &mut moved);
+            let inside_out = || FemError::InsideOut { element };
+            let reference = reference(&mut known, solid.shape).ok_or_else(inside_out)?;
+            at_points(solid, places, reference, (&moved, states), &mut stress).ok_or_else(inside_out)?;
+            for (node, weights) in solid.nodes.iter().zip(&reference.extrapolation) {
+                let (share, first) = (1.0 / counts[*node] as f64, 6 * row[*node] * states);
+                for (point, weight) in stress.chunks_exact((6 * states).max(1)).zip(weights) {
+                    add_times(share * weight, point, &mut values[first..first + 6 * states]);
                 }
             }
         }
-        Ok(Self { nodes, values })
+        Ok(Self { nodes, states, values })
+    }
+
+    /// A component of the stress of a node, by its place among [`nodes`](Self::nodes), a number a state, Pa.
+    pub fn line(&self, node: usize, component: usize) -> &[f64] {
+        let first = (6 * node + component) * self.states;
+        &self.values[first..first + self.states]
     }
 }
 
-/// From the displacements of the nodes of an element to its stress at these, `6 n × 3 n`; none where its volume is
-/// turned inside out.
-fn recovery(solid: &Solid, places: &[[f64; 3]]) -> Option<Mat<f64>> {
-    let (shape, n) = (solid.shape, places.len());
-    let points = shape.points();
-    let law = law(solid.material);
-    let mut at_points = Mat::zeros(6 * points.len(), 3 * n);
-    for (p, point) in points.iter().enumerate() {
-        let gradients = in_space(&shape.gradients(*point), places)?;
-        for (k, [x, y, z]) in gradients.into_iter().enumerate() {
-            let strains =
-                [[x, 0.0, 0.0, y, 0.0, z], [0.0, y, 0.0, x, z, 0.0], [0.0, 0.0, z, 0.0, y, x]].map(Vector6::from);
-            for (axis, strain) in strains.into_iter().enumerate() {
-                let stress = law * strain;
-                (0..6).for_each(|i| at_points[(6 * p + i, 3 * k + axis)] = stress[i]);
-            }
+/// The displacements of the nodes of an element, a line of states for each.
+fn gather(solid: &Solid, displacements: &Mat<f64>, moved: &mut Vec<f64>) {
+    moved.clear();
+    for node in &solid.nodes {
+        for axis in 0..3 {
+            moved.extend((0..displacements.ncols()).map(|j| displacements[(3 * node + axis, j)]));
         }
     }
-    let extrapolation = shape.extrapolation()?;
-    Some(Mat::from_fn(6 * n, 3 * n, |i, j| {
-        let weights = extrapolation[i / 6].iter().enumerate();
-        weights.map(|(p, weight)| weight * at_points[(6 * p + i % 6, j)]).sum()
-    }))
+}
+
+/// What all elements of a shape have in common.
+struct Reference {
+    shape: SolidShape,
+    /// Derivatives of the shape functions at each point of integration.
+    gradients: Vec<Vec<[f64; 3]>>,
+    /// Weights of these points at each node.
+    extrapolation: Vec<Vec<f64>>,
+}
+
+/// That of a shape, which is formed where it is not known yet.
+fn reference(known: &mut Vec<Reference>, shape: SolidShape) -> Option<&Reference> {
+    let place = known.iter().position(|own| own.shape == shape);
+    if place.is_none() {
+        let gradients = shape.points().into_iter().map(|point| shape.gradients(point)).collect();
+        known.push(Reference { shape, gradients, extrapolation: shape.extrapolation()? });
+    }
+    place.map_or(known.last(), |place| known.get(place))
+}
+
+/// Stress at the points of integration of an element, six lines of states for each, from the displacements `moved` of
+/// its nodes; none where its volume is turned inside out.
+fn at_points(
+    solid: &Solid,
+    places: &[[f64; 3]],
+    reference: &Reference,
+    (moved, states): (&[f64], usize),
+    stress: &mut Vec<f64>,
+) -> Option<()> {
+    let own: Vec<[f64; 3]> = solid.nodes.iter().map(|node| places[*node]).collect();
+    stress.clear();
+    stress.resize(6 * reference.gradients.len() * states, 0.0);
+    for (gradients, of) in reference.gradients.iter().zip(stress.chunks_exact_mut((6 * states).max(1))) {
+        let gradients = in_space(gradients, &own)?;
+        for (gradient, node) in gradients.iter().zip(moved.chunks_exact((3 * states).max(1))) {
+            add_strain(*gradient, node, of);
+        }
+        to_stress(solid.material, of);
+    }
+    Some(())
+}
+
+/// Adds `ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx`, a line of states each, of a node that moves by the lines `u_x, u_y, u_z`.
+fn add_strain([x, y, z]: [f64; 3], moved: &[f64], strain: &mut [f64]) {
+    let states = moved.len() / 3;
+    let [u, v, w] = [0, 1, 2].map(|axis| &moved[axis * states..(axis + 1) * states]);
+    let parts = [[Some((x, u)), None], [Some((y, v)), None], [Some((z, w)), None]];
+    let shears = [[Some((y, u)), Some((x, v))], [Some((z, v)), Some((y, w))], [Some((x, w)), Some((z, u))]];
+    for (line, parts) in strain.chunks_exact_mut(states.max(1)).zip(parts.into_iter().chain(shears)) {
+        parts.into_iter().flatten().for_each(|(slope, moved)| add_times(slope, moved, line));
+    }
+}
+
+/// `σ = λ tr(ε) 1 + 2μ ε` in place of the strains.
+fn to_stress(material: Elastic, strain: &mut [f64]) {
+    let Elastic { youngs_modulus: e, poissons_ratio: nu } = material;
+    let (mu, lambda) = (0.5 * e / (1.0 + nu), e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)));
+    let states = strain.len() / 6;
+    let (normal, shear) = strain.split_at_mut(3 * states);
+    for j in 0..states {
+        let volume = lambda * (normal[j] + normal[states + j] + normal[2 * states + j]);
+        [0, 1, 2].into_iter().for_each(|i| normal[i * states + j] = volume + 2.0 * mu * normal[i * states + j]);
+    }
+    shear.iter_mut().for_each(|gamma| *gamma *= mu);
+}
+
+/// `to += factor · from`.
+fn add_times(factor: f64, from: &[f64], to: &mut [f64]) {
+    to.iter_mut().zip(from).for_each(|(to, from)| *to += factor * from);
 }
 
 /// Derivatives of the shape functions by x, y and z; none where the volume is not positive.
@@ -114,18 +177,6 @@ fn in_space(gradients: &[[f64; 3]], places: &[[f64; 3]]) -> Option<Vec<[f64; 3]>
     let inverse = jacobian.try_inverse().filter(|_| jacobian.determinant() > 0.0)?;
     let turned = |gradient: &[f64; 3]| std::array::from_fn(|j| (0..3).map(|i| inverse[(j, i)] * gradient[i]).sum());
     Some(gradients.iter().map(turned).collect())
-}
-
-/// From `ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx` to the stress.
-fn law(material: Elastic) -> Matrix6<f64> {
-    let Elastic { youngs_modulus: e, poissons_ratio: nu } = material;
-    let (mu, lambda) = (0.5 * e / (1.0 + nu), e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)));
-    Matrix6::from_fn(|i, j| match (i < 3 && j < 3, i == j) {
-        (true, true) => lambda + 2.0 * mu,
-        (true, false) => lambda,
-        (false, true) => mu,
-        (false, false) => 0.0,
-    })
 }
 
 /// Equivalent stress of von Mises of `σ_xx, σ_yy, σ_zz, σ_xy, σ_yz, σ_zx`.
@@ -182,7 +233,7 @@ mod tests {
             let found = NodalStress::of(&places, &[solid], &column(&places, linear)).unwrap();
             assert_eq!(found.nodes.len(), shape.n_nodes());
             let largest = expected().iter().fold(0.0_f64, |m, s| m.max(s.abs()));
-            for (i, value) in (0..found.values.nrows()).map(|i| (i, found.values[(i, 0)])) {
+            for (i, value) in found.values.iter().enumerate() {
                 assert!((value - expected()[i % 6]).abs() < 1e-12 * largest, "{shape:?}, row {i}: {value}");
             }
         }
@@ -197,9 +248,10 @@ mod tests {
             let solid = Solid { shape, nodes: (0..places.len()).collect(), material: MATERIAL };
             let moved = column(&places, |p| [0.5 * p[0] * p[0], 0.0, 0.0]);
             let found = NodalStress::of(&places, &[solid], &moved).unwrap();
-            let stiff = law(MATERIAL)[(0, 0)];
+            let Elastic { youngs_modulus, poissons_ratio: nu } = MATERIAL;
+            let stiff = youngs_modulus * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu));
             for (k, place) in places.iter().enumerate() {
-                let value = found.values[(6 * k, 0)];
+                let value = found.line(k, 0)[0];
                 assert!((value - stiff * place[0]).abs() < 1e-12 * stiff, "{shape:?} {place:?}: {value}");
             }
         }
@@ -227,7 +279,8 @@ mod tests {
             } else {
                 300.0
             };
-            assert!((found.values[(6 * k, 0)] - expected).abs() < 1e-11, "{node}: {}", found.values[(6 * k, 0)]);
+            let value = found.line(k, 0)[0];
+            assert!((value - expected).abs() < 1e-11, "{node}: {value}");
         }
     }
 

@@ -28,7 +28,7 @@ fn stress_at_the_nodes_of_every_type_of_element_is_that_of_calculix() {
         let largest = own.iter().flat_map(|row| &row[7..]).fold(0.0_f64, |largest, s| largest.max(s.abs()));
         for (node, row) in own.iter().enumerate() {
             for (i, expected) in row[7..].iter().enumerate() {
-                let value = found.values[(6 * node + i, 0)];
+                let value = found.line(node, i)[0];
                 assert!((value - expected).abs() < TOLERANCE * largest, "{kind} {node} {i}: {value} {expected}");
             }
         }

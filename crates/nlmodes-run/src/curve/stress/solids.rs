@@ -24,10 +24,10 @@ pub struct Solids {
     numbers: Vec<u64>,
     /// The row of a node, by its index in the mesh.
     row: HashMap<u32, usize>,
-    /// `σ_xx, σ_yy, σ_zz, σ_xy, σ_yz, σ_zx` of each node, a column a shape, Pa.
-    stress: Mat<f64>,
-    /// Equivalent stress of each node and shape, Pa.
-    mises: Mat<f64>,
+    /// Of each node and component a number a shape, Pa.
+    stress: NodalStress,
+    /// Equivalent stress, of each node a number a shape, Pa.
+    mises: Vec<f64>,
 }
 
 /// Stress at points of a surface at one instant.
@@ -51,15 +51,17 @@ impl Solids {
         if Self::left_out(scene, open, loads.len()).is_some() {
             return Ok(None);
         }
-        let shapes = shapes(open, loads.len());
-        let found = NodalStress::of(&mesh.places, &solids, &displacements(open, (model, mesh), loads))?;
-        let of = |node: usize, shape: usize| std::array::from_fn(|i| found.values[(6 * node + i, shape)]);
-        let mises = Mat::from_fn(found.nodes.len(), shapes, |node, shape| von_mises(of(node, shape)));
+        let stress = NodalStress::of(&mesh.places, &solids, &displacements(open, (model, mesh), loads))?;
+        let (nodes, states) = (stress.nodes.len(), stress.states);
+        let of = |node: usize, shape: usize| von_mises(std::array::from_fn(|i| stress.line(node, i)[shape]));
         Ok(Some(Self {
-            numbers: found.nodes.iter().map(|index| mesh.numbers[*index]).collect(),
-            row: found.nodes.iter().enumerate().map(|(row, index)| (*index as u32, row)).collect(),
-            stress: found.values,
-            mises,
+            numbers: stress.nodes.iter().map(|index| mesh.numbers[*index]).collect(),
+            row: stress.nodes.iter().enumerate().map(|(row, index)| (*index as u32, row)).collect(),
+            mises: (0..nodes)
+                .flat_map(|node| (0..states).map(move |shape| (node, shape)))
+                .map(|(n, s)| of(n, s))
+                .collect(),
+            stress,
         }))
     }
 
@@ -81,12 +83,14 @@ impl Solids {
     /// The largest equivalent stress at these instants, and the number of its node.
     ///
     /// The equivalent stress is a seminorm: that of a node is at most the sum of those of its shapes, each with its
-    /// largest coordinate. Nodes are looked at in the order of that bound, as long as it is not below what was found.
+    /// largest coordinate. Nodes are looked at in the order of that bound, as long as it is not below what was found,
+    /// and of their instants those at which the same sum with the coordinates there is not.
     pub fn largest(&self, instants: &Instants) -> Option<PeakStress> {
         let x = coordinates(instants);
+        let sizes: Vec<Vec<f64>> = x.iter().map(|x| x.iter().map(|x| x.abs()).collect()).collect();
         let reach: Vec<f64> =
-            (0..x.nrows()).map(|j| (0..x.ncols()).map(|k| x[(j, k)].abs()).fold(0.0, f64::max)).collect();
-        let bound = |node: usize| reach.iter().enumerate().map(|(j, reach)| self.mises[(node, j)] * reach).sum::<f64>();
+            (0..self.stress.states).map(|j| sizes.iter().map(|size| size[j]).fold(0.0, f64::max)).collect();
+        let bound = |node: usize| dot(self.mises_of(node), &reach);
         // Nodes whose displacements are not known have no stress.
         let mut bounds: Vec<(usize, f64)> =
             (0..self.numbers.len()).map(|node| (node, bound(node))).filter(|(_, bound)| !bound.is_nan()).collect();
@@ -96,22 +100,31 @@ impl Solids {
             if found.is_some_and(|found| found.stress >= bound) {
                 break;
             }
-            let stress = (0..x.ncols()).map(|k| von_mises(self.at(node, &x, k))).fold(0.0, f64::max);
-            if found.is_none_or(|found| stress > found.stress) {
-                found = Some(PeakStress { stress, at: self.numbers[node] as f64 });
+            let (own, at) = (self.mises_of(node), self.numbers[node] as f64);
+            for (x, size) in x.iter().zip(&sizes) {
+                if found.is_some_and(|found| found.stress >= dot(own, size)) {
+                    continue;
+                }
+                let stress = von_mises(self.at(node, x));
+                if found.is_none_or(|found| stress > found.stress) {
+                    found = Some(PeakStress { stress, at });
+                }
             }
         }
         found
     }
 
+    fn mises_of(&self, node: usize) -> &[f64] {
+        let states = self.stress.states;
+        &self.mises[node * states..(node + 1) * states]
+    }
+
     /// Stress at points of a surface, by their indices in the mesh, at one of these instants; NaN where it is not
     /// known.
     pub fn at_points(&self, points: &[u32], instants: &Instants, k: usize) -> PointStress {
-        let x = coordinates(instants);
-        let all: Vec<[f64; 6]> = points
-            .iter()
-            .map(|index| self.row.get(index).map_or([f64::NAN; 6], |node| self.at(*node, &x, k)))
-            .collect();
+        let x = coordinate(instants, k);
+        let all: Vec<[f64; 6]> =
+            points.iter().map(|index| self.row.get(index).map_or([f64::NAN; 6], |node| self.at(*node, &x))).collect();
         PointStress {
             components: all.iter().flatten().copied().collect(),
             mises: all.iter().map(|stress| von_mises(*stress)).collect(),
@@ -119,8 +132,8 @@ impl Solids {
         }
     }
 
-    fn at(&self, node: usize, x: &Mat<f64>, k: usize) -> [f64; 6] {
-        std::array::from_fn(|i| (0..x.nrows()).map(|j| self.stress[(6 * node + i, j)] * x[(j, k)]).sum())
+    fn at(&self, node: usize, x: &[f64]) -> [f64; 6] {
+        std::array::from_fn(|i| dot(self.stress.line(node, i), x))
     }
 }
 
@@ -136,16 +149,19 @@ fn shapes(open: &OpenStructure, loads: usize) -> usize {
     open.modes.n_modes() + open.modes.n_contacts() + loads + 1
 }
 
-/// Coordinates of the shapes, a column an instant.
-fn coordinates(instants: &Instants) -> Mat<f64> {
+/// Coordinates of the shapes at each instant.
+fn coordinates(instants: &Instants) -> Vec<Vec<f64>> {
+    (0..instants.eta.ncols()).map(|k| coordinate(instants, k)).collect()
+}
+
+/// Those at one instant.
+fn coordinate(instants: &Instants, k: usize) -> Vec<f64> {
     let Instants { eta, forces, loads, .. } = instants;
-    let (m, c, l) = (eta.nrows(), forces.nrows(), loads.nrows());
-    Mat::from_fn(m + c + l + 1, eta.ncols(), |j, k| match j {
-        j if j < m => eta[(j, k)],
-        j if j < m + c => forces[(j - m, k)],
-        j if j < m + c + l => loads[(j - m - c, k)],
-        _ => 1.0,
-    })
+    [eta, forces, loads].into_iter().flat_map(|of| (0..of.nrows()).map(move |j| of[(j, k)])).chain([1.0]).collect()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// The solids of a mesh; none where there are none, or one of them is not known well enough.
