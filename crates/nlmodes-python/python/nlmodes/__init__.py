@@ -12,6 +12,7 @@
 :func:`linear_frequencies`        the linear modes of a scene
 :class:`Law`                      a spring or damper whose force is a function
 :class:`Structure`                stiffness and mass matrices with contacts
+:class:`ReducedStructure`         frequencies, rows and flexibility from elsewhere, with contacts
 :class:`Study`                    a quantity over parameters, from many branches
 :func:`verify`                    one period of the full structure from a computed point
 :mod:`nlmodes.contact`            complementarity problems of contact
@@ -30,6 +31,7 @@ from ._result import Result, read, verify
 from ._run import check, columns, linear_frequencies, run, schema
 from ._table import Table
 from .law import Law
+from .reduced import ReducedStructure
 from .structure import Structure
 from .study import Study, StudyTable
 
@@ -39,6 +41,7 @@ __all__ = [
     "Law",
     "Mistake",
     "Motion",
+    "ReducedStructure",
     "Result",
     "RunError",
     "SceneError",

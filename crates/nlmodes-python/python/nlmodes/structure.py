@@ -11,12 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _arguments, _matrices
+from ._analyses import Analyses
 from ._files import Scratch
 from ._result import Result
-from ._run import Progress, check, linear_frequencies, run
+from ._run import Progress, linear_frequencies
 
 
-class Structure:
+class Structure(Analyses):
     """Stiffness and mass matrices with one-sided contacts.
 
     Parameters
@@ -115,54 +116,6 @@ class Structure:
     def _node(self, name: str, node: Any) -> int:
         return _matrices.node_of(name, node, self._dofs)
 
-    def mode(
-        self,
-        mode: int = 1,
-        harmonics: int | Sequence[int] = 5,
-        *,
-        max_energy_ratio: float | None = 10.0,
-        modes: int | None = None,
-        out: str | os.PathLike[str] | None = None,
-        force: bool = False,
-        progress: Progress = None,
-        **overrides: Any,
-    ) -> Result:
-        """The conservative nonlinear mode that begins at linear mode ``mode``: its branch over energy, to ``max_energy_ratio`` times that at grazing.
-
-        ``modes`` is the number of open modes that are retained, default those up to four times the highest harmonic; the others answer
-        statically. ``out``, ``force`` and ``progress`` are those of :func:`nlmodes.run`, and ``overrides`` values of the scene:
-        ``continuation__frequency_hz=[50.0, 80.0]``, ``method__contact_solver="lemke"``.
-        """
-        own: dict[str, Any] = {"method": {"mode": mode, "harmonics": harmonics}, "continuation": {"max_energy_ratio": max_energy_ratio}}
-        if modes is not None:
-            own["reduction"] = {"modes": modes}
-        return self._run(own, out, force, progress, overrides)
-
-    def damped_mode(
-        self,
-        damping: float | Sequence[float] | Mapping[str, float],
-        frequency_hz: tuple[float, float],
-        mode: int = 1,
-        harmonics: int = 5,
-        *,
-        max_energy_ratio: float = 10.0,
-        out: str | os.PathLike[str] | None = None,
-        force: bool = False,
-        progress: Progress = None,
-        **overrides: Any,
-    ) -> Result:
-        """The damped nonlinear mode that begins at linear mode ``mode`` (extended periodic motion concept), with ``damping_ratio`` a column.
-
-        ``damping`` is the ratio of all modes, a list by mode, or ``{"mass_1_s": α, "stiffness_s": β}`` of Rayleigh; ``frequency_hz`` the window.
-        """
-        own = {
-            "method": {"mode": mode, "harmonics": harmonics},
-            "continuation": {"max_energy_ratio": max_energy_ratio},
-            "damping": _damping(damping),
-            "response": [{"kind": "damped-mode", "frequency_hz": list(frequency_hz)}],
-        }
-        return self._run(own, out, force, progress, overrides)
-
     def response(
         self,
         node: int | ArrayLike,
@@ -197,22 +150,8 @@ class Structure:
         response
             More keys of ``[response]``: ``lag_deg``, ``subharmonic``, …
         """
-        levels = [_arguments.number("levels_n", level, above=0.0) for level in np.atleast_1d(np.asarray(levels_n)).tolist()]
-        table = {"kind": _arguments.text("kind", kind, ("frequency", "force", "phase-resonance")), "levels_n": levels}
-        table["frequency_hz"] = np.asarray(frequency_hz, dtype=float).tolist()
-        own = {
-            "method": {"mode": mode, "harmonics": harmonics},
-            "continuation": {},
-            "damping": _damping(damping),
-            "force": [
-                {
-                    "node": self._node("node", node),
-                    "direction": _arguments.floats("direction", direction, (3,)).tolist(),
-                    "amplitude_n": levels[0],
-                }
-            ],
-            "response": [{**table, **dict(response or {})}],
-        }
+        place = {"node": self._node("node", node), "direction": _arguments.floats("direction", direction, (3,)).tolist()}
+        own = self._response(place, levels_n, frequency_hz, damping, kind, {"mode": mode, "harmonics": harmonics}, response)
         return self._run(own, out, force, progress, overrides)
 
     def linear_frequencies(self) -> NDArray[np.float64]:
@@ -220,35 +159,6 @@ class Structure:
         scratch = Scratch()
         found = linear_frequencies(self._scene(scratch.path, {"method": {"harmonics": 1}, "continuation": {"max_energy_ratio": 2.0}}))
         return np.array(found["mass_kept"])
-
-    def check(self, **tables: Any) -> list[str]:
-        """Whether :meth:`mode` would begin; returns what looks wrong."""
-        scratch = Scratch()
-        own = {"method": {"mode": 1, "harmonics": 5}, "continuation": {"max_energy_ratio": 2.0}}
-        return check(self._scene(scratch.path, own), **tables)
-
-    def save(self, folder: str | os.PathLike[str], **tables: Any) -> Path:
-        """Writes matrices, table of degrees of freedom and ``scene.toml`` for the command line into a new directory; returns the scene.
-
-        ``tables`` are those of the scene: ``method={"harmonics": 5}``, ``continuation={"max_energy_ratio": 10.0}``, …
-        """
-        from . import _native
-
-        place = Path(folder)
-        place.mkdir(parents=True)
-        own = {"method": {"mode": 1, "harmonics": 5}, "continuation": {"max_energy_ratio": 10.0}, **tables}
-        scene = self._scene(place, own)
-        for name in ("stiffness", "mass", "dofs"):
-            scene["structure"][name] = Path(scene["structure"][name]).name
-        path = place / "scene.toml"
-        path.write_text(_native.toml_of(scene), encoding="utf-8")
-        return path
-
-    def _run(
-        self, own: dict[str, Any], out: str | os.PathLike[str] | None, force: bool, progress: Progress, overrides: Mapping[str, Any]
-    ) -> Result:
-        model = Scratch()
-        return run(self._scene(model.path, own), out=out, force=force, progress=progress, **overrides)
 
     def _scene(self, place: Path, own: Mapping[str, Any]) -> dict[str, Any]:
         """A scene of the files that it writes."""
@@ -265,12 +175,3 @@ class Structure:
         np.savetxt(table, np.column_stack(columns), fmt=form, delimiter=",", header=header, comments="")
         structure = {"kind": "matrices", "format": "npz", **files, "dofs": str(table)}
         return {"title": self._title, "structure": structure, "contact": self._contacts, **own}
-
-
-def _damping(given: float | Sequence[float] | Mapping[str, float]) -> dict[str, Any]:
-    """The table ``[damping]``."""
-    if isinstance(given, Mapping):
-        return {"rayleigh": {key: _arguments.number(f"damping[{key!r}]", value) for key, value in given.items()}}
-    if np.ndim(given) == 0:
-        return {"ratio": _arguments.number("damping", given)}
-    return {"ratios": _arguments.floats("damping", given, ("modes",)).tolist()}
