@@ -81,6 +81,7 @@ mod fine_forces;
 mod held_motion;
 mod held_sums;
 mod history;
+mod ladder;
 mod mixed_shooting;
 mod motion;
 mod periodic;
@@ -98,6 +99,7 @@ pub use contact_operator::{ContactOperator, PatternInterval, Switching};
 pub use error::HbmError;
 pub use estimate::{TruncationError, TruncationEstimator};
 pub use history::ContactDefects;
+pub use ladder::{FEW_HARMONICS, harmonics_on_the_way};
 pub use mixed_shooting::{MAX_HARMONICS, MixedShooting, MixedShootingSettings, Scales};
 pub use nlmodes_reduction::HeldMode;
 pub use periodic::{
@@ -108,7 +110,8 @@ pub use periodic::{
     Closing, ClosingEquation, Column, ContactMotion, Coordinates, DampedStop, EnergyGiven, Floquet, Functional, Load,
     LoadTerm, ModalDamping, ModalGrazing, ModalStructure, ModeAtRest, Motion, MotionChange, OperatingPoint,
     PeriodicMotion, PeriodicSettings, PeriodicSystem, PhaseCondition, PhaseLag, Refined, ResponseRow, Source,
-    StructureChange, StructureState, Watched, modal_grazing, modal_lift_off,
+    StructureChange, StructureState, Watched, modal_grazing, modal_grazing_opened, modal_lift_off,
+    modal_lift_off_opened,
 };
 pub use projection::Projection;
 pub use recording::MAX_RECORDED;

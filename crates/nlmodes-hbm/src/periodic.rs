@@ -28,7 +28,6 @@ mod structure;
 mod system;
 
 pub use analyses::Coordinates;
-pub(crate) use analyses::conservative;
 pub use change::{StructureChange, StructureState};
 pub use closing_equations::{ClosingEquation, EnergyGiven, Functional, Motion, PhaseCondition, PhaseLag};
 pub use damped_stop::DampedStop;
@@ -43,6 +42,6 @@ pub use motion::{ContactMotion, PeriodicMotion, largest_value};
 pub use operating_point::{Closing, Column, OperatingPoint, Source};
 pub use refine::Refined;
 pub use sensitivity::{MotionChange, Watched};
-pub use start::{ModalGrazing, ModeAtRest, modal_grazing, modal_lift_off};
+pub use start::{ModalGrazing, ModeAtRest, modal_grazing, modal_grazing_opened, modal_lift_off, modal_lift_off_opened};
 pub use structure::{ModalStructure, ResponseRow};
 pub use system::{PeriodicSettings, PeriodicSystem};

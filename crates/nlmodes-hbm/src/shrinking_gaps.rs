@@ -1,7 +1,7 @@
 use nlmodes_contact::LcpSolver;
 use nlmodes_continuation::{Linearization, ParametricSystem, Scaling};
 
-use crate::periodic::{Closing, EnergyGiven, Load, PeriodicSystem, Source, conservative};
+use crate::periodic::PeriodicSystem;
 use crate::{CondensedStructure, HbmError, MixedShootingSettings, Scales};
 
 /// The way to motions before contacts that touch at rest, from the linear mode before contacts that stand back.
@@ -32,15 +32,8 @@ impl ShrinkingGaps {
         opening: &[f64],
         solver: &dyn LcpSolver,
     ) -> Result<Self, HbmError> {
-        let (expected, found) = (structure.n_contacts(), opening.len());
-        if found != expected {
-            return Err(HbmError::Size { what: "openings of the gaps", expected, found });
-        }
-        let energy = EnergyGiven { reference: scales.energy, is_fixed: true };
-        let closing =
-            Closing { level: Source::Parameter { scale: 1.0 }, ..conservative(settings.symmetry, scales, energy) };
-        let load = Load::default().beside_opening(0.0, opening.to_vec())?;
-        Ok(Self { system: PeriodicSystem::held(structure, settings, load, closing, scales, solver)? })
+        let system = PeriodicSystem::held_mode(structure, settings, scales, solver)?;
+        Ok(Self { system: system.beside_opening(opening.to_vec())? })
     }
 }
 

@@ -4,6 +4,7 @@ mod doubled;
 mod forced;
 mod mode;
 mod phase_resonance;
+mod touching;
 
 pub use appropriation::{Appropriation, appropriation};
 pub use detached::{detached_response, lies_on};

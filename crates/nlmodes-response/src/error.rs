@@ -83,6 +83,18 @@ pub enum ResponseError {
         /// Why it went no further.
         why: String,
     },
+    /// A mode or phase resonance before contacts that touch at rest is not reached as gaps are closed.
+    #[error(
+        "the mode begins before the contacts that touch at rest set back, but as they are closed the way to it ends at \
+        a gap of {} m: {why}. Contacts that are elastic, or that stand a little back, lead on",
+        rounded(*left, 3)
+    )]
+    NoModeTouching {
+        /// Gap that was left, m.
+        left: f64,
+        /// Why it went no further.
+        why: String,
+    },
     /// With a parameter the retained modes become others.
     #[error(
         "within the step of the gradient the retained modes become others (they have {share:.2} in common); expected \

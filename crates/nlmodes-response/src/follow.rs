@@ -96,6 +96,7 @@ impl Curve<'_> {
         let start = match structure.laws().is_empty() {
             false => "the start",
             true if structure.is_pressed() => "lift-off",
+            true if structure.gaps().contains(&0.0) => "the start",
             true => "grazing",
         };
         let is_upper = |coordinate: usize, value: f64| {

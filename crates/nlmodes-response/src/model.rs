@@ -3,7 +3,7 @@ use std::sync::Arc;
 use nlmodes_contact::solver_by_name;
 use nlmodes_hbm::{
     DampedStop, ForceLaw, HbmError, Load, LoadTerm, ModalGrazing, ModalStructure, ModeAtRest, ModeStart, PhaseLag,
-    PlacedLaw, ResponseRow, modal_grazing, modal_lift_off, modal_start,
+    PlacedLaw, ResponseRow, modal_grazing_opened, modal_lift_off_opened, modal_start,
 };
 use nlmodes_linalg::Mat;
 use nlmodes_reduction::{OpenModes, RestState};
@@ -16,6 +16,9 @@ pub type Weights = Vec<(usize, f64)>;
 
 /// Gap at rest over the largest one up to which a contact touches.
 const TOUCHES: f64 = 1e-12;
+
+/// Energy with which modes begin before contacts that all touch at rest, J: those of any other are these, multiplied.
+const UNIT_ENERGY: f64 = 1.0;
 
 /// A force of a load.
 #[derive(Debug, Clone, PartialEq)]
@@ -282,16 +285,19 @@ impl ResponseModel {
 
     /// The linear mode `mode` (from 1) at the amplitude at which its nonlinear modes begin: where it first touches a
     /// stop, or, about a rest at which stops press, where the first contact changes its state; beside laws where these
-    /// hardly matter yet, or at the energy that was set.
+    /// hardly matter yet, or at the energy that was set. Contacts that touch at rest without force
+    /// [stand back](ModalGrazing::opening).
     ///
     /// # Errors
-    /// As [`modal_grazing`], [`modal_lift_off`] and [`modal_start`], or what the reduction reports of the structure at
-    /// rest.
+    /// As [`modal_grazing_opened`], [`modal_lift_off_opened`] and [`modal_start`], or what the reduction reports of the
+    /// structure at rest.
     pub fn linear_start(&self, mode: usize) -> Result<ModalGrazing, ResponseError> {
         if !self.laws.is_empty() {
             return Ok(modal_start(&self.structure, mode, self.mode_start)?);
         }
-        let Some(rest) = self.pressed_rest()? else { return Ok(modal_grazing(&self.structure, mode)?) };
+        let Some(rest) = self.pressed_rest()? else {
+            return Ok(modal_grazing_opened(&self.structure, mode, UNIT_ENERGY)?);
+        };
         let modes = self.open.closed_modes(&rest.closed)?;
         let available = modes.omega_squared.len();
         let Some(k) = mode.checked_sub(1).filter(|k| *k < available) else {
@@ -299,7 +305,7 @@ impl ResponseModel {
         };
         let (omega_squared, shape) = (modes.omega_squared[k], modes.eta.col(k).iter().copied().collect::<Vec<f64>>());
         let at = ModeAtRest { mode, omega_squared, shape: &shape, rest: &rest.eta, closed: &rest.closed };
-        Ok(modal_lift_off(&self.structure, at)?)
+        Ok(modal_lift_off_opened(&self.structure, at, UNIT_ENERGY)?)
     }
 
     /// The contacts that touch at rest without force.

@@ -232,7 +232,7 @@ impl Certificate {
         checks.extend(finer::harmonics(computed, &points, sources, look));
         checks.extend(finer::modes(computed, &points, sources, look));
         checks.extend(exact::checks(computed, &points, sources, look));
-        checks.push(mesh::frequency(sources.scene));
+        checks.push(mesh::frequency(sources.scene, sources.open));
         checks.extend(mesh::contact_mass(sources.shift));
         checks.extend(sources.open.and_then(|open| mesh::digits(open, sources.scene.method.mode)));
         let required = required(sources.scene);

@@ -122,7 +122,8 @@ pub fn unless_held_by_weight(file: &SceneFile, open: &OpenStructure) -> Result<(
             format!("expected {} or more: that is the first mode on its contacts, {hz} Hz", unfelt + 1)
         },
     );
-    Err(file.error_at("method.mode", &title, &expected, &[support(&file.scene)]).into())
+    let help = format!("`--set method.mode={}`; modes are counted about the rest on the contacts", unfelt + 1);
+    Err(file.error_at("method.mode", &title, &expected, &[&help]).into())
 }
 
 /// Where a support would stand.

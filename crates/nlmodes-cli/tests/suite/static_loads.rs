@@ -233,6 +233,104 @@ fn modes_phase_resonance_and_responses_begin_at_closed_stops() -> Outcome {
     Ok(())
 }
 
+/// A mass of 1 kg on 1 N/m with a tip of 20 N/m before a rigid stop, with a second mode that its row does not see.
+fn mass_with_tip(gap_m: f64, more: &str) -> String {
+    format!(
+        "[structure]\nkind = \"reduced\"\nfrequencies_hz = [0.15915494309189535, 50.0]\n\
+         contact_rows = [[1.0, 0.0]]\nresidual_flexibility_m_n = [[0.05]]\n\
+         [[contact]]\nrow = 1\ngap_m = {gap_m}\n[method]\nharmonics = 30\n\
+         [continuation]\nmax_energy_ratio = 10.0\n[output]\nstability = \"never\"\n{more}"
+    )
+}
+
+/// Damping by the mass alone, which moves no mode, and the damped mode.
+const BY_MASS: &str = "[damping]\nrayleigh = { mass_1_s = 0.1 }\n[[response]]\nkind = \"damped-mode\"\n";
+
+/// Angular frequency of that mass where it is pressed with 1 N, of this amplitude about rest into the stop: on both
+/// springs until the force is gone, then on its own.
+fn pressed(amplitude: f64) -> f64 {
+    let both = 21.0_f64.sqrt();
+    let closed = (-0.05 / amplitude).acos();
+    let speed = amplitude * both * closed.sin();
+    let open = (1.05 / 1.05_f64.hypot(speed)).acos();
+    std::f64::consts::PI / (closed / both + open)
+}
+
+/// The conservative mode, the damped one of the same frequencies, `D = c/(2ω)`, and one value that was computed
+/// elsewhere.
+#[test]
+fn a_pressed_mass_has_the_frequencies_of_its_two_parts() -> Outcome {
+    assert!((pressed(0.15) / 3.239_040_111_081_4 - 1.0).abs() < 1e-13);
+    for more in ["", BY_MASS] {
+        let (folder, summary) = run(&mass_with_tip(-1.05, more), &[])?;
+        assert!((number(&summary["rest"][0]["force_n"]) - 1.0).abs() < 1e-12, "{}", summary["rest"]);
+        let rows = rows(&folder)?;
+        assert!((rows[0]["frequency_hz"] * std::f64::consts::TAU / 21.0_f64.sqrt() - 1.0).abs() < 1e-9);
+        for row in &rows[1..] {
+            let (omega, amplitude) =
+                (row["frequency_hz"] * std::f64::consts::TAU, (row["peak_contact_force_n"] - 1.0) / 20.0);
+            assert!((omega / pressed(amplitude) - 1.0).abs() < 1e-5, "{row:?}");
+            // ½ k a² about rest, of its own motion alone.
+            if more.is_empty() {
+                let expected = pressed((row["total_energy_j"] / 10.5).sqrt());
+                assert!((omega / expected - 1.0).abs() < 1e-7, "{row:?}");
+            } else {
+                assert!((row["damping_ratio"] / (0.1 / (2.0 * omega)) - 1.0).abs() < 1e-6, "{row:?}");
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Before a stop that touches at rest without force all amplitudes have the frequency `2ω₀ω₁/(ω₀ + ω₁)`, also damped;
+/// phase resonance is as large as its level.
+#[test]
+fn modes_and_phase_resonance_begin_at_stops_without_a_gap() -> Outcome {
+    let force = "[[response]]\nkind = \"mode\"\n[[response]]\nkind = \"phase-resonance\"\ndrive_row = 1\n\
+        levels_n = [1e-3, 0.1]\n[[force]]\nrow = 1\namplitude_n = 1.0\n";
+    let (folder, _) = run(&mass_with_tip(0.0, &format!("{BY_MASS}{force}")), &[])?;
+    let all = rows(&folder)?;
+    let omega = |row: &Row| row["frequency_hz"] * std::f64::consts::TAU;
+    let both = 21.0_f64.sqrt();
+    for row in all.iter().filter(|row| row["curve"] < 2.0) {
+        assert!((omega(row) / (2.0 * both / (1.0 + both)) - 1.0).abs() < 1e-6, "{row:?}");
+        if row["curve"] == 0.0 {
+            assert!((row["damping_ratio"] / (0.1 / (2.0 * omega(row))) - 1.0).abs() < 1e-6, "{row:?}");
+        }
+    }
+    let resonances: Vec<_> = all.iter().filter(|row| row["curve"] == 2.0).collect();
+    let (first, last) = (resonances[0], resonances[resonances.len() - 1]);
+    assert!(first["level"] <= 5e-4 && (last["level"] / 0.1 - 1.0).abs() < 1e-9, "{first:?} {last:?}");
+    for row in &resonances {
+        assert!((row["drive_lag_deg"] - 90.0).abs() < 1e-6, "{row:?}");
+        assert!((row["input_power_w"] / row["dissipated_power_w"] - 1.0).abs() < 1e-9, "{row:?}");
+        let unit = |row: &Row| row["fundamental_m"] / row["level"];
+        assert!((unit(row) / unit(last) - 1.0).abs() < 1e-7 && (omega(row) / omega(last) - 1.0).abs() < 1e-9);
+    }
+    Ok(())
+}
+
+/// The same of a beam with a second stop at some distance: the conservative mode begins and ends where the branch does,
+/// which is computed in another way.
+#[test]
+fn a_mode_before_a_stop_without_a_gap_is_that_of_the_branch() -> Outcome {
+    let other = "[[contact]]\nat_m = 0.6\ndirection = \"transverse\"\nside = \"positive\"\ngap_m = 1e-3\n";
+    let text = LEDGE
+        .replace("mass_redistribution = \"drop\"\n", "")
+        .replace("harmonics = 1", "harmonics = 5")
+        .replace("[method]", &format!("{other}[method]"))
+        + "[output]\nstability = \"never\"\n";
+    let (branch, _) = run(&text, &[])?;
+    let (mode, _) = run(&format!("{text}[response]\nkind = \"mode\"\n"), &[])?;
+    let [branch, mode] = [rows(&branch)?, rows(&mode)?];
+    for (a, b) in [(branch.first(), mode.first()), (branch.last(), mode.last())] {
+        let (a, b) = (a.ok_or("no point")?, b.ok_or("no point")?);
+        assert!((a["frequency_hz"] / b["frequency_hz"] - 1.0).abs() < 1e-8, "{a:?} {b:?}");
+        assert!((a["energy_j"] / b["energy_j"] - 1.0).abs() < 1e-8, "{a:?} {b:?}");
+    }
+    Ok(())
+}
+
 /// What does not rest, and what does not fit, is refused where it stands.
 #[test]
 fn loads_that_do_not_fit_are_refused() -> Outcome {

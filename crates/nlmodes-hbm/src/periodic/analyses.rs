@@ -3,7 +3,7 @@ use std::sync::Arc;
 use nlmodes_contact::LcpSolver;
 
 use super::block::LinearResponse;
-use super::closing_equations::{EnergyGiven, PhaseCondition, PhaseLag};
+use super::closing_equations::{AtZero, ClosingEquation, EnergyGiven, PhaseCondition, PhaseLag};
 use super::contact_response::ContactResponse;
 use super::directions::Directions;
 use super::held_response::HeldResponse;
@@ -79,7 +79,7 @@ impl PeriodicSystem {
         solver: &dyn LcpSolver,
     ) -> Result<Self, HbmError> {
         let undamped = Arc::new(structure.conservative()?);
-        let closing = conservative(symmetry, scales, energy(scales));
+        let closing = conservative(symmetry, scales);
         let load = Load::none(&undamped);
         Self::assemble(undamped, load, closing, (settings, symmetry), scales, solver)
     }
@@ -95,23 +95,11 @@ impl PeriodicSystem {
         scales: Scales,
         solver: &dyn LcpSolver,
     ) -> Result<Self, HbmError> {
-        let closing = conservative(settings.symmetry, scales, energy(scales));
-        Self::held(structure, settings, Load::default(), closing, scales, solver)
-    }
-
-    /// Motions of a structure with its contacts held.
-    pub(crate) fn held(
-        structure: &CondensedStructure,
-        settings: MixedShootingSettings,
-        load: Load,
-        closing: Closing,
-        scales: Scales,
-        solver: &dyn LcpSolver,
-    ) -> Result<Self, HbmError> {
         let MixedShootingSettings { harmonics, symmetry, switching } = settings;
         let response = HeldResponse::new(structure, symmetry == Symmetry::Even, scales.omega);
         let settings = PeriodicSettings { harmonics, switching, coordinates: Coordinates::Contact };
         let contacts = Arc::new(ModalStructure::without_modes(structure));
+        let (load, closing) = (Load::none(&contacts), conservative(symmetry, scales));
         Self::assemble_with(Box::new(response), contacts, load, closing, (settings, symmetry), scales, solver)
     }
 
@@ -213,21 +201,63 @@ impl PeriodicSystem {
         let structure = Arc::new(structure.clone());
         Self::assemble(structure, load, closing, (settings, Symmetry::None), scales, solver)
     }
+
+    /// A response over the level, beside its own damping with `c` (1/s) times the mass.
+    pub fn damped_more(mut self, c: f64) -> Self {
+        self.closing.xi = Source::Fixed(-c);
+        self
+    }
+
+    /// A response over the level at this level, the new parameter being damping beside its own, of `c` (1/s) times the
+    /// mass: with much of it there is one motion alone, and the way from there to none ends at the level in a motion
+    /// with its own damping, however many others the structure has.
+    pub fn over_damping(mut self, level: f64, c: f64) -> Self {
+        self.closing.level = Source::Fixed(level);
+        self.closing.xi = Source::Parameter { scale: -c };
+        self
+    }
+
+    /// A mode or a phase resonance at its parameter zero, the new parameter being how far gaps are opened, in units of
+    /// `opening` (m, c): the way to motions before contacts that touch at rest, from those before contacts that stand
+    /// back.
+    ///
+    /// ```text
+    /// R(x; g₀ + s o) = 0 ,   s from 1 to 0
+    /// ```
+    ///
+    /// At a given energy a gap, made smaller, is an energy that grows at a given gap, without end: the solution with
+    /// the gap zero is where the backbone of any gap leads.
+    ///
+    /// # Errors
+    /// [`HbmError::Size`] or [`HbmError::NotFinite`].
+    pub fn beside_opening(mut self, opening: Vec<f64>) -> Result<Self, HbmError> {
+        let (expected, found) = (self.structure.n_contacts(), opening.len());
+        if found != expected {
+            return Err(HbmError::Size { what: "openings", expected, found });
+        }
+        let level = self.closing.level.at(&[], 0.0);
+        self.load = self.load.beside_opening(level, opening)?;
+        self.closing.level = Source::Parameter { scale: 1.0 };
+        let equations = self.closing.equations.into_iter();
+        self.closing.equations = equations.map(|own| Box::new(AtZero(own)) as Box<dyn ClosingEquation>).collect();
+        Ok(self)
+    }
 }
 
 /// Frequency, and where the phase is free ξ, beside a condition for the energy.
-pub(crate) fn conservative(symmetry: Symmetry, scales: Scales, energy: EnergyGiven) -> Closing {
+fn conservative(symmetry: Symmetry, scales: Scales) -> Closing {
+    let energy = Box::new(energy(scales));
     match symmetry {
-        Symmetry::Even => Closing { xi: Source::Fixed(0.0), ..free_motion(scales, vec![Box::new(energy)]) },
-        Symmetry::None => free_motion(scales, vec![Box::new(energy), Box::<PhaseCondition>::default()]),
+        Symmetry::Even => Closing { xi: Source::Fixed(0.0), ..free_motion(scales, vec![energy]) },
+        Symmetry::None => free_motion(scales, vec![energy, Box::<PhaseCondition>::default()]),
     }
 }
 
 fn energy(scales: Scales) -> EnergyGiven {
-    EnergyGiven { reference: scales.energy, is_fixed: false }
+    EnergyGiven { reference: scales.energy }
 }
 
-fn free_motion(scales: Scales, equations: Vec<Box<dyn super::closing_equations::ClosingEquation>>) -> Closing {
+fn free_motion(scales: Scales, equations: Vec<Box<dyn ClosingEquation>>) -> Closing {
     Closing {
         omega: Source::Unknown { index: 0, scale: scales.omega },
         xi: Source::Unknown { index: 1, scale: scales.omega },

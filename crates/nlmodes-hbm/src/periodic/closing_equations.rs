@@ -85,8 +85,6 @@ pub trait ClosingEquation: Send {
 pub struct EnergyGiven {
     /// Energy at the parameter zero, J.
     pub reference: f64,
-    /// The energy is the reference whatever the parameter, which is then something else: `p` is left out.
-    pub is_fixed: bool,
 }
 
 impl ClosingEquation for EnergyGiven {
@@ -95,11 +93,10 @@ impl ClosingEquation for EnergyGiven {
         if !(energy.is_finite() && energy > 0.0) {
             return Err(HbmError::Motion { omega, energy });
         }
-        let [p, by_parameter] = if self.is_fixed { [0.0; 2] } else { [motion.p, -1.0] };
         Ok(Functional {
-            value: (energy / self.reference).ln() - p,
+            value: (energy / self.reference).ln() - motion.p,
             by_energy: 1.0 / energy,
-            by_parameter,
+            by_parameter: -1.0,
             ..Functional::default()
         })
     }
@@ -110,6 +107,35 @@ impl ClosingEquation for EnergyGiven {
 
     fn anew(&self) -> Box<dyn ClosingEquation> {
         Box::new(*self)
+    }
+}
+
+/// Another equation as it is at the parameter zero, while something else is the parameter.
+pub(super) struct AtZero(pub Box<dyn ClosingEquation>);
+
+impl ClosingEquation for AtZero {
+    fn evaluate(&self, motion: &Motion) -> Result<Functional, HbmError> {
+        Ok(Functional { by_parameter: 0.0, ..self.0.evaluate(&Motion { p: 0.0, ..*motion })? })
+    }
+
+    fn by_parameter_of_structure(&self, motion: &Motion, change: &StructureChange) -> f64 {
+        self.0.by_parameter_of_structure(&Motion { p: 0.0, ..*motion }, change)
+    }
+
+    fn asks_for_energy(&self) -> bool {
+        self.0.asks_for_energy()
+    }
+
+    fn approached(&mut self, x: &[f64], series: RealSeries) {
+        self.0.approached(x, series);
+    }
+
+    fn accepted(&mut self, x: &[f64], series: RealSeries) {
+        self.0.accepted(x, series);
+    }
+
+    fn anew(&self) -> Box<dyn ClosingEquation> {
+        Box::new(Self(self.0.anew()))
     }
 }
 

@@ -25,6 +25,9 @@ pub struct ModalGrazing {
     pub contact: usize,
     /// Its amplitude, m: its gap; of a stop that is about to be left, the static motion of its contact by that energy.
     pub length: f64,
+    /// By how much contacts that touch at rest stand back, m, c: a little beyond what the mode moves them. Zero for all
+    /// others.
+    pub opening: Vec<f64>,
     /// Modal coordinates at rest, m, m √kg.
     pub(super) mean: Vec<f64>,
     /// Those of the mode, m, orthonormal.
@@ -55,6 +58,47 @@ const ROUNDING: f64 = 1e-10;
 /// Squared open frequency, over that of the mode about rest, up to which it is that of a rigid-body motion.
 const RIGID: f64 = 1e-9;
 
+/// Of contacts that touch at rest, their distance over the amplitude of the mode before which they stand back: nothing
+/// touches there, also by rounding.
+const CLEAR: f64 = 1.1;
+
+/// A mode about rest as the contacts feel it.
+struct Felt {
+    /// Guard of each contact at rest, and by the mode of unit amplitude.
+    guards: Vec<f64>,
+    slopes: Vec<f64>,
+    /// Contacts that the mode moves.
+    moving: Vec<usize>,
+    /// Those of them that touch at rest without force.
+    touching: Vec<usize>,
+}
+
+impl Felt {
+    fn of(structure: &ModalStructure, at: ModeAtRest<'_>) -> Result<Self, HbmError> {
+        let (c, m) = (structure.n_contacts(), structure.n_moving());
+        let set = ClosedSet::new(structure.compliance(), at.closed)?;
+        let seen = |i: usize, eta: &[f64]| (0..m).map(|k| structure.rows()[(i, k)] * eta[k]).sum::<f64>();
+        let resting: Vec<f64> = (0..c).map(|i| structure.gaps()[i] + seen(i, at.rest)).collect();
+        let moved: Vec<f64> = (0..c).map(|i| seen(i, at.shape)).collect();
+        let guards: Vec<f64> = (0..c).map(|i| set.guard_value(i, &resting)).collect();
+        let slopes: Vec<f64> = (0..c).map(|i| set.guard_value(i, &moved)).collect();
+        let (largest, most) = (max_norm(guards.iter().copied()), max_norm(slopes.iter().copied()));
+        let moving: Vec<usize> = (0..c).filter(|&i| slopes[i].abs() > UNFELT * most).collect();
+        // Open contacts have the gaps that they were given, those of a pressed rest come from its forces.
+        let least = if at.closed.contains(&true) { ROUNDING * largest } else { 0.0 };
+        let touching = moving.iter().copied().filter(|&i| guards[i] <= least).collect();
+        Ok(Self { guards, slopes, moving, touching })
+    }
+
+    /// The contact, none that touches at rest, that is the first to change its state as the mode grows, and the
+    /// amplitude that takes it there.
+    fn first_change(&self) -> Option<(usize, f64)> {
+        let amplitude = |i: usize| -self.guards[i] / self.slopes[i];
+        let others = self.moving.iter().copied().filter(|i| !self.touching.contains(i));
+        others.map(|i| (i, amplitude(i))).min_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+    }
+}
+
 /// The amplitude of a mode about rest at which the first of its contacts is about to change its state: an open one is
 /// touched, or one that presses is left.
 ///
@@ -62,33 +106,43 @@ const RIGID: f64 = 1e-9;
 /// [`HbmError::NeverTouches`] if it moves no contact, [`HbmError::TouchesAtRest`] for one that it moves and that
 /// touches without force, [`HbmError::Compliance`].
 pub fn modal_lift_off(structure: &ModalStructure, at: ModeAtRest<'_>) -> Result<ModalGrazing, HbmError> {
-    let (c, m, omega) = (structure.n_contacts(), structure.n_moving(), at.omega_squared.max(0.0).sqrt());
-    let set = ClosedSet::new(structure.compliance(), at.closed)?;
-    let seen = |i: usize, eta: &[f64]| (0..m).map(|k| structure.rows()[(i, k)] * eta[k]).sum::<f64>();
-    let resting: Vec<f64> = (0..c).map(|i| structure.gaps()[i] + seen(i, at.rest)).collect();
-    let moving: Vec<f64> = (0..c).map(|i| seen(i, at.shape)).collect();
-    let guards: Vec<f64> = (0..c).map(|i| set.guard_value(i, &resting)).collect();
-    let slopes: Vec<f64> = (0..c).map(|i| set.guard_value(i, &moving)).collect();
-    let (largest, most) = (max_norm(guards.iter().copied()), max_norm(slopes.iter().copied()));
-    let felt = (0..c).filter(|&i| slopes[i].abs() > UNFELT * most);
-    let first = felt.map(|i| (i, -guards[i] / slopes[i])).min_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-    // Open contacts have the gaps that they were given, those of a pressed rest come from its forces.
-    let is_pressed = at.closed.contains(&true);
-    let frequency_hz = omega / TAU;
+    unless_touching(structure, modal_lift_off_opened(structure, at, 1.0)?)
+}
+
+/// As [`modal_lift_off`], also where contacts touch at rest without force: these stand back by
+/// [`ModalGrazing::opening`].
+///
+/// The motion has half the amplitude at which another contact would change its state, and where there is no such
+/// contact the averaged kinetic energy `energy`, J: before contacts that all touch at rest, motions can be multiplied
+/// by any positive number. [`PeriodicSystem::beside_opening`] leads from there to the motion before the contacts where
+/// they are.
+///
+/// # Errors
+/// [`HbmError::NeverTouches`] if it moves no contact, [`HbmError::Compliance`].
+pub fn modal_lift_off_opened(
+    structure: &ModalStructure,
+    at: ModeAtRest<'_>,
+    energy: f64,
+) -> Result<ModalGrazing, HbmError> {
+    let omega = at.omega_squared.max(0.0).sqrt();
+    let felt = Felt::of(structure, at)?;
+    let mut opening = vec![0.0; structure.n_contacts()];
+    let (is_pressed, frequency_hz) = (at.closed.contains(&true), omega / TAU);
     let never = HbmError::NeverTouches { mode: at.mode, frequency_hz, ratio: 0.0, is_pressed, first: None };
-    let (contact, amplitude) = first.ok_or(never)?;
-    if guards[contact] <= if is_pressed { ROUNDING * largest } else { 0.0 } {
-        return Err(HbmError::TouchesAtRest { contact, gap: structure.gaps()[contact] });
-    }
-    let damping = |j: usize, k: usize| at.shape[j] * structure.damping().entry(j, k) * at.shape[k];
-    let damping: f64 = (0..m).flat_map(|j| (0..m).map(move |k| (j, k))).map(|(j, k)| damping(j, k)).sum();
-    let energy = 0.25 * at.omega_squared * amplitude * amplitude;
-    // The rigid-body motions of a structure that floats have no stiffness but that of its closed contacts.
-    let elastic = (0..m).filter(|&k| structure.omega_squared()[k] > RIGID * at.omega_squared);
-    let modal = elastic.map(|k| structure.rows()[(contact, k)].powi(2) / structure.omega_squared()[k]).sum::<f64>();
-    let compliance = structure.compliance().a()[(contact, contact)] + modal;
+    let (contact, amplitude) = match felt.touching.first() {
+        None => felt.first_change().ok_or(never)?,
+        Some(&contact) => {
+            let size = felt.first_change().map_or(2.0 * energy.sqrt() / omega, |(_, a)| 0.5 * a.abs());
+            felt.touching.iter().for_each(|&i| opening[i] = CLEAR * size * felt.slopes[i].abs());
+            (contact, -size * felt.slopes[contact].signum())
+        }
+    };
+    let (energy, damping) = (0.25 * at.omega_squared * amplitude * amplitude, modal_damping(structure, at.shape));
     // A stop that presses hardly moves before it is left: what this energy does to the structure is a length.
-    let length = if at.closed[contact] { 2.0 * (energy * compliance).sqrt() } else { guards[contact] };
+    let length = match at.closed[contact] {
+        true => 2.0 * (energy * compliance_at(structure, contact, at.omega_squared)).sqrt(),
+        false => felt.guards[contact].max(opening[contact]),
+    };
     let padded = |eta: &[f64]| eta.iter().copied().chain(std::iter::repeat(0.0)).take(structure.n_modes()).collect();
     Ok(ModalGrazing {
         mode: at.mode,
@@ -98,9 +152,32 @@ pub fn modal_lift_off(structure: &ModalStructure, at: ModeAtRest<'_>) -> Result<
         energy,
         contact,
         length,
+        opening,
         mean: padded(at.rest),
         shape: padded(at.shape),
     })
+}
+
+/// `φᵀ Ĉ φ` of a mode in the coordinates of the open modes, 1/s.
+fn modal_damping(structure: &ModalStructure, shape: &[f64]) -> f64 {
+    let m = structure.n_moving();
+    let damping = |j: usize, k: usize| shape[j] * structure.damping().entry(j, k) * shape[k];
+    (0..m).flat_map(|j| (0..m).map(move |k| (j, k))).map(|(j, k)| damping(j, k)).sum()
+}
+
+/// Static compliance of the structure at a contact, m/N, without the rigid-body motions of one that floats, which have
+/// no stiffness but that of its closed contacts.
+fn compliance_at(structure: &ModalStructure, contact: usize, omega_squared: f64) -> f64 {
+    let elastic = (0..structure.n_moving()).filter(|&k| structure.omega_squared()[k] > RIGID * omega_squared);
+    let modal = elastic.map(|k| structure.rows()[(contact, k)].powi(2) / structure.omega_squared()[k]).sum::<f64>();
+    structure.compliance().a()[(contact, contact)] + modal
+}
+
+fn unless_touching(structure: &ModalStructure, start: ModalGrazing) -> Result<ModalGrazing, HbmError> {
+    match start.opening.iter().position(|by| *by > 0.0) {
+        Some(contact) => Err(HbmError::TouchesAtRest { contact, gap: structure.gaps()[contact] }),
+        None => Ok(start),
+    }
 }
 
 /// The grazing point of open mode `mode` (from 1).
@@ -109,6 +186,14 @@ pub fn modal_lift_off(structure: &ModalStructure, at: ModeAtRest<'_>) -> Result<
 /// [`HbmError::NoSuchMode`], [`HbmError::RigidBodyMode`], [`HbmError::NeverTouches`], [`HbmError::TouchesAtRest`] or
 /// [`HbmError::PressedAtRest`].
 pub fn modal_grazing(structure: &ModalStructure, mode: usize) -> Result<ModalGrazing, HbmError> {
+    unless_touching(structure, modal_grazing_opened(structure, mode, 1.0)?)
+}
+
+/// As [`modal_grazing`], also where contacts touch at rest, as [`modal_lift_off_opened`].
+///
+/// # Errors
+/// [`HbmError::NoSuchMode`], [`HbmError::RigidBodyMode`], [`HbmError::NeverTouches`] or [`HbmError::PressedAtRest`].
+pub fn modal_grazing_opened(structure: &ModalStructure, mode: usize, energy: f64) -> Result<ModalGrazing, HbmError> {
     let m = structure.n_moving();
     if mode == 0 || mode > m {
         return Err(HbmError::NoSuchMode { mode, available: m });
@@ -126,13 +211,20 @@ pub fn modal_grazing(structure: &ModalStructure, mode: usize) -> Result<ModalGra
     }
     let shape: Vec<f64> = (0..m).map(|j| f64::from(u8::from(j == k))).collect();
     let (rest, closed) = (vec![0.0; m], vec![false; structure.n_contacts()]);
-    modal_lift_off(structure, ModeAtRest { mode, omega_squared: square, shape: &shape, rest: &rest, closed: &closed })
+    let at = ModeAtRest { mode, omega_squared: square, shape: &shape, rest: &rest, closed: &closed };
+    modal_lift_off_opened(structure, at, energy)
 }
 
 impl ModalGrazing {
     /// Scales with which the problem has numbers near one.
     pub fn scales(&self) -> Scales {
         Scales { length: self.length, omega: self.omega, energy: self.energy }
+    }
+
+    /// Whether contacts touch at rest without force: the nonlinear mode then is nowhere linear, and this is the motion
+    /// before contacts that stand back.
+    pub fn touches_at_rest(&self) -> bool {
+        self.opening.iter().any(|by| *by > 0.0)
     }
 
     /// Unknowns of a conservative or damped mode at grazing, where the parameter is zero. They are exact where damping

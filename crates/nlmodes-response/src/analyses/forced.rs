@@ -231,7 +231,26 @@ pub(crate) fn at_level(
     if let Some(touch) = touch(model, (base, level), &own, solver)? {
         return closing(model, &touch, (base, level), &own, solver);
     }
-    let mut curve = over_level(model, base, (level, scales(model.structure(), base)), &own, solver)?;
+    match from_rest(model, (base, level), 0.0, &own, solver) {
+        Err(error @ ResponseError::NoStart { .. }) => {
+            let found = MORE_DAMPING.into_iter().map(|c| through_damping(model, (base, level), c * base, &own, solver));
+            let stopped = |found: &Result<_, _>| !matches!(found, Err(ResponseError::NoStart { .. }));
+            found.into_iter().find(stopped).unwrap_or(Err(error))
+        }
+        outcome => outcome,
+    }
+}
+
+/// The response at a level as it grows from rest, beside its own damping with `c` (1/s) times the mass.
+fn from_rest(
+    model: &ResponseModel,
+    (base, level): (f64, f64),
+    c: f64,
+    settings: &ResponseSettings,
+    solver: &dyn LcpSolver,
+) -> Result<Vec<f64>, ResponseError> {
+    let mut curve = over_level(model, base, (level, scales(model.structure(), base)), settings, solver)?;
+    curve.system = curve.system.damped_more(c);
     let parameter = curve.parameter();
     let branch = curve.run()?;
     let last = branch.points.last().map_or((0.0, Vec::new()), |q| (q.p, q.x.clone()));
@@ -247,24 +266,57 @@ pub(crate) fn at_level(
     }
 }
 
+/// Damping beside its own with which a structure is brought to a level that it does not reach from rest, times the mass
+/// and the base frequency, in the order in which they are tried.
+const MORE_DAMPING: [f64; 2] = [1.0, 5.0];
+
+/// The response at a level as it grows from rest with more damping, and as that is then taken away.
+fn through_damping(
+    model: &ResponseModel,
+    (base, level): (f64, f64),
+    c: f64,
+    settings: &ResponseSettings,
+    solver: &dyn LcpSolver,
+) -> Result<Vec<f64>, ResponseError> {
+    let x = from_rest(model, (base, level), c, settings, solver)?;
+    let mut curve = over_level(model, base, (level, scales(model.structure(), base)), settings, solver)?;
+    curve.system = curve.system.over_damping(level, c / WINDOW);
+    let parameter = curve.parameter();
+    (curve.x, curve.p, curve.direction[parameter]) = (x, WINDOW, -1.0);
+    curve.bounds = vec![Bound { coordinate: parameter, min: 0.0, max: 2.0 * WINDOW }];
+    let branch = curve.run()?;
+    match (&branch.stop, branch.points.last()) {
+        (StopReason::Bound { coordinate, value }, Some(last)) if *coordinate == parameter && *value == 0.0 => {
+            Ok(last.x.clone())
+        }
+        (StopReason::Stopped, _) => Err(ResponseError::Stopped),
+        (stop, _) => Err(ResponseError::NoStart {
+            omega: base * settings.subharmonic as f64,
+            level,
+            reached: level,
+            why: curve.end(stop, (usize::MAX, 1.0)).message,
+        }),
+    }
+}
+
 /// Contacts that touch at rest without force: a response is nowhere linear there, however small.
-struct Touch {
-    contacts: Vec<usize>,
+pub(super) struct Touch {
+    pub contacts: Vec<usize>,
     /// How far the load would move them toward their stops if these were not there, m; the most of all.
-    length: f64,
+    pub length: f64,
 }
 
 impl Touch {
-    fn scales(&self, base: f64) -> Scales {
+    pub fn scales(&self, base: f64) -> Scales {
         Scales::new(self.length, base, 1.0)
     }
 }
 
 /// By how much contacts that touch are set back, m, while it is found how far a load moves them.
-const APART: f64 = 1.0;
+pub(super) const APART: f64 = 1.0;
 
 /// The contacts that touch at rest, and what the load at this base frequency and level does to them.
-fn touch(
+pub(super) fn touch(
     model: &ResponseModel,
     (base, level): (f64, f64),
     settings: &ResponseSettings,

@@ -1,12 +1,15 @@
-use nlmodes_contact::solver_by_name;
+use nlmodes_contact::{LcpSolver, solver_by_name};
 use nlmodes_continuation::{Bound, ParametricSystem};
-use nlmodes_hbm::{HbmError, PeriodicSystem, Symmetry};
+use nlmodes_hbm::{HbmError, ModalGrazing, PeriodicSystem, Symmetry};
 
-use crate::follow::Curve;
+use super::touching::{as_gaps_close, growing};
+use crate::follow::{Curve, newton};
+use crate::linear::unknowns_at_rest;
 use crate::{ResponseCurve, ResponseError, ResponseModel, ResponseSettings};
 
 /// The damped nonlinear mode `settings.mode` from grazing to `energy_ratio` times the energy there, or to an end of the
-/// window.
+/// window. Before contacts that touch at rest without force nothing is linear: it then begins with half the amplitude
+/// of the linear mode at which another contact changes its state, or with 1 J.
 ///
 /// `M q̈ + (C − ξ M) q̇ + K q = W λ`: the periodic motion of the damped structure if a force balances the damping in
 /// all harmonics. Damping ratio `D = ξ/(2ω)` ([`nlmodes_hbm::PeriodicMotion::damping_ratio`]); multipliers are those of
@@ -58,7 +61,19 @@ fn free_motion(
     let (omega, energy) = (system.n_coefficients(), system.dim());
     let unit = start.omega;
     let bounds = vec![Bound { coordinate: energy, min: -1.0, max: energy_ratio.ln() }, own.bound_from(omega, unit)?];
-    let (x, direction) = (start.unknowns(&system), start.direction(&system));
+    let (mut x, mut direction) = (start.unknowns(&system), start.direction(&system));
+    if start.touches_at_rest() {
+        let rest = unknowns_at_rest(&system, model.pressed_rest()?.as_ref());
+        let by = (&own, solver.as_ref());
+        x = match as_gaps_close(&system, &x, &start.opening, by) {
+            Err(error @ ResponseError::NoModeTouching { .. }) if is_damped => {
+                from_undamped(&system, &start, by)?.ok_or(error)?
+            }
+            found => found?,
+        };
+        // The distance from rest grows like the root of the energy.
+        direction = growing(&system, &x, &rest, 0.5);
+    }
     let drive = model.drive(&own)?;
     let mut curve = Curve {
         system,
@@ -72,4 +87,24 @@ fn free_motion(
         budget: own.budget(),
     };
     curve.follow((omega, unit))
+}
+
+/// Before contacts that touch at rest, the damped motion next to the conservative one of the same energy; none where
+/// there is none.
+fn from_undamped(
+    system: &PeriodicSystem,
+    start: &ModalGrazing,
+    by: (&ResponseSettings, &dyn LcpSolver),
+) -> Result<Option<Vec<f64>>, ResponseError> {
+    let (periodic, scales) = (by.0.periodic(), start.scales());
+    let undamped = PeriodicSystem::conservative_mode(system.structure(), Symmetry::Even, periodic, scales, by.1)?;
+    let found = match as_gaps_close(&undamped, &start.unknowns(&undamped), &start.opening, by) {
+        Err(ResponseError::NoModeTouching { .. }) => return Ok(None),
+        found => found?,
+    };
+    let mut guess = system.resized(&found, undamped.series());
+    guess.push(2.0 * start.damping_ratio);
+    let mut damped = system.with_harmonics(system.series().n_harmonics, by.1)?;
+    damped.hold_phase(&guess);
+    Ok(newton(&mut damped, &guess, 0.0))
 }

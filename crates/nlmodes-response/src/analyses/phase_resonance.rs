@@ -4,14 +4,16 @@ use nlmodes_hbm::{HbmError, PeriodicSystem, PhaseLag};
 use nlmodes_reduction::RestState;
 use num_complex::Complex64;
 
-use super::forced::scales;
+use super::forced::{APART, scales, touch};
+use super::touching::{as_gaps_close, growing};
 use crate::follow::Curve;
 use crate::linear::{linear_motion, unknowns_at_rest};
 use crate::{ResponseCurve, ResponseError, ResponseModel, ResponseSettings};
 
 /// Motions whose drive point lags the load by `settings.lag`, from half the level that first touches to the largest
 /// level `to`: what a phase-locked loop follows. The curve starts at the linear phase resonance next to mode
-/// `settings.mode`, which residual flexibility shifts.
+/// `settings.mode`, which residual flexibility shifts; before contacts that touch at rest without force at half the
+/// least level of `settings.levels`.
 ///
 /// # Errors
 /// [`ResponseError`] where there is no start; a curve that ends early is none.
@@ -26,40 +28,87 @@ pub fn phase_resonance(
     }
     let drive = model.drive(settings)?.ok_or(ResponseError::NoDrive)?;
     let solver = solver_by_name(&settings.contact_solver).map_err(HbmError::Compliance)?;
-    let pressed = model.pressed_rest()?;
-    let linear = Linear { model, settings, drive: &drive, solver: solver.as_ref(), pressed };
-    let (base, [rest, x], touching) = linear.resonance()?;
-    let structure = model.structure();
-    let scales = scales(structure, base);
-    let from = (0.5 * touching).min(0.5 * to);
-    let system = PeriodicSystem::phase_resonance(
-        structure,
-        model.load(settings)?,
-        drive.clone(),
-        from,
-        settings.periodic(),
-        scales,
-        solver.as_ref(),
-    )?;
+    let solver = solver.as_ref();
+    let touching = model.touching_at_rest()?;
+    let begun = match touching.is_empty() {
+        true => begin(model, &drive, to, settings, solver)?,
+        false => begin_touching(model, &touching, &drive, to, settings, solver)?,
+    };
+    let Begun { system, x, direction, from, base } = begun;
     let (omega, parameter) = (system.n_coefficients(), system.dim());
-    let mut start = beside(&rest, &x, from);
-    let mut direction: Vec<f64> = x.iter().map(|x| x * from).collect();
-    start.push(1.0);
-    direction.extend([0.0, 1.0]);
     let bounds =
         vec![Bound { coordinate: parameter, min: -1.0, max: (to / from).ln() }, settings.bound_from(omega, base)?];
-    let mut curve = Curve {
-        system,
-        x: start,
-        p: 0.0,
-        direction,
-        bounds,
-        drive: Some(drive),
-        settings,
-        solver: solver.as_ref(),
-        budget: settings.budget(),
-    };
+    let (drive, budget) = (Some(drive), settings.budget());
+    let mut curve = Curve { system, x, p: 0.0, direction, bounds, drive, settings, solver, budget };
     curve.follow((omega, base * settings.subharmonic as f64))
+}
+
+/// Where a curve of phase resonances begins.
+struct Begun {
+    system: PeriodicSystem,
+    x: Vec<f64>,
+    direction: Vec<f64>,
+    /// Level.
+    from: f64,
+    /// Base frequency, rad/s.
+    base: f64,
+}
+
+fn begin(
+    model: &ResponseModel,
+    drive: &PhaseLag,
+    to: f64,
+    settings: &ResponseSettings,
+    solver: &dyn LcpSolver,
+) -> Result<Begun, ResponseError> {
+    let linear = Linear { model, settings, drive, solver, pressed: model.pressed_rest()? };
+    let (base, [rest, unit], touching) = linear.resonance()?;
+    let (structure, load) = (model.structure(), model.load(settings)?);
+    let from = (0.5 * touching).min(0.5 * to);
+    let (periodic, scales) = (settings.periodic(), scales(structure, base));
+    let system = PeriodicSystem::phase_resonance(structure, load, drive.clone(), from, periodic, scales, solver)?;
+    let mut x = beside(&rest, &unit, from);
+    let mut direction: Vec<f64> = unit.iter().map(|x| x * from).collect();
+    x.push(1.0);
+    direction.extend([0.0, 1.0]);
+    Ok(Begun { system, x, direction, from, base })
+}
+
+/// Share of how far the load moves contacts that touch beyond which they are set back: there nothing touches, also by
+/// rounding.
+const CLEAR: f64 = 1.1;
+
+/// Before contacts that touch at rest without force, which no level leaves alone: phase resonance at half the least
+/// level that is asked for before contacts that stand back, to which these are then closed.
+fn begin_touching(
+    model: &ResponseModel,
+    touching: &[usize],
+    drive: &PhaseLag,
+    to: f64,
+    settings: &ResponseSettings,
+    solver: &dyn LcpSolver,
+) -> Result<Begun, ResponseError> {
+    let apart = model.opened(touching, APART)?;
+    let linear = Linear { model: &apart, settings, drive, solver, pressed: apart.pressed_rest()? };
+    let (base, [rest, unit], others) = linear.resonance()?;
+    let least = settings.levels.iter().copied().filter(|level| *level > 0.0).fold(to, f64::min);
+    let from = (0.5 * others).min(0.5 * least);
+    let Some(touch) = touch(model, (base, from), settings, solver)? else {
+        return begin(model, drive, to, settings, solver);
+    };
+    let (structure, load, own) = (model.structure(), model.load(settings)?, touch.scales(base));
+    let mut opening = vec![0.0; structure.n_contacts()];
+    touching.iter().for_each(|&contact| opening[contact] = CLEAR * touch.length);
+    let per_length = scales(apart.structure(), base).length / own.length;
+    let mut x: Vec<f64> = beside(&rest, &unit, from).iter().map(|x| x * per_length).collect();
+    x.push(1.0);
+    let (drive, periodic) = (drive.clone(), settings.periodic());
+    let system = PeriodicSystem::phase_resonance(structure, load, drive, from, periodic, own, solver)?;
+    let rest = unknowns_at_rest(&system, model.pressed_rest()?.as_ref());
+    let x = as_gaps_close(&system, &x, &opening, (settings, solver))?;
+    // The distance from rest grows like the level.
+    let direction = growing(&system, &x, &rest, 1.0);
+    Ok(Begun { system, x, direction, from, base })
 }
 
 /// The linear response, whose phase is evaluated near a mode.

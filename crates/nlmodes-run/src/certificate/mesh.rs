@@ -1,9 +1,10 @@
 //! The linear frequency compared with that of the next finer mesh, and with the mass of the contacts.
 
 use nlmodes::model::{MassShift, linear_modes};
+use nlmodes_reduction::{ModeCount, OpenModes};
 use nlmodes_scene::assemble::{OpenStructure, element_model};
 use nlmodes_scene::counted;
-use nlmodes_scene::scene::{Scene, SceneStructure, Structure};
+use nlmodes_scene::scene::{Contact, Scene, SceneStructure, Structure};
 
 use super::{Check, ErrorSource, Number, SourceKind};
 
@@ -11,8 +12,14 @@ const MESH: &str = "mesh";
 /// Most elements of the finer mesh: its modes take a fraction of a second.
 const MOST: usize = 2000;
 
-/// Change of the linear frequency of the mode with twice as many elements; contacts open, their mass kept.
-pub fn frequency(scene: &Scene) -> Check {
+/// Most rigid-body motions of a straight structure, and their frequency, over that of the last mode beyond them, up to
+/// which a mode is one.
+const RIGID_MOTIONS: usize = 3;
+const RIGID: f64 = 1e-3;
+
+/// Change of the linear frequency of the mode with twice as many elements: contacts open, but those that press at rest,
+/// their mass kept.
+pub fn frequency(scene: &Scene, open: Option<&OpenStructure>) -> Check {
     let missing = |why: &str, how| Check::missing(MESH, Some(Number::Frequency), why, how);
     let own = match &scene.structure {
         SceneStructure::Straight(own) => own,
@@ -34,7 +41,13 @@ pub fn frequency(scene: &Scene) -> Check {
         return missing("more than 1000 elements", "structure.elements twice as large");
     }
     let mode = scene.method.mode;
-    match (omega(own, mode), omega(&finer, mode)) {
+    let rest = open.and_then(|open| Some((open.modes.n_modes(), open.state.as_ref()?.rest.closed.as_slice())));
+    let pressed = rest.filter(|(_, closed)| closed.contains(&true));
+    let omega = |structure: &Structure| match pressed {
+        Some(pressed) => omega_at_rest(structure, &scene.contacts, pressed, mode),
+        None => omega(structure, mode),
+    };
+    match (omega(own), omega(&finer)) {
         (Some(coarse), Some(fine)) if fine > 0.0 => {
             let words = format!(
                 "linear frequency of mode {mode} with {} elements for {}; forces were not compared. Says nothing where \
@@ -54,8 +67,22 @@ pub fn frequency(scene: &Scene) -> Check {
 
 fn omega(structure: &Structure, mode: usize) -> Option<f64> {
     let model = element_model(structure, &[]).ok()?;
-    let found = linear_modes(model.mass(), model.stiffness(), mode).ok()?;
-    found.omega.get(mode.checked_sub(1)?).copied()
+    let found = linear_modes(model.mass(), model.stiffness(), mode + RIGID_MOTIONS).ok()?;
+    let least = RIGID * found.omega.last()?;
+    found.omega.get(mode.checked_sub(1)?).copied().filter(|omega| *omega > least)
+}
+
+/// The same with the contacts of `closed` held, of as many open modes as are taken of the structure.
+fn omega_at_rest(
+    structure: &Structure,
+    contacts: &[Contact],
+    (modes, closed): (usize, &[bool]),
+    mode: usize,
+) -> Option<f64> {
+    let model = element_model(structure, contacts).ok()?;
+    let open = OpenModes::of_model(&model, ModeCount::Lowest(modes)).ok()?;
+    let squares = open.closed_modes(closed).ok()?.omega_squared;
+    squares.get(mode.checked_sub(1)?).map(|square| square.sqrt())
 }
 
 /// Change of the linear frequency by the mass that the contacts lose; nothing where they lose none, or the frequency is

@@ -122,7 +122,7 @@ fn the_mesh_is_judged_by_the_frequencies_of_discrete_rods() {
         n * (6.0 * (1.0 - cos) / (2.0 + cos)).sqrt()
     };
     for elements in [2, 40] {
-        let found = mesh::frequency(&scene(elements, 1, SI));
+        let found = mesh::frequency(&scene(elements, 1, SI), None);
         let n = elements as f64;
         let change = omega(n) / omega(2.0 * n) - 1.0;
         assert!((found.value.unwrap() / change - 1.0).abs() < 1e-6, "{found:?} {change:e}");

@@ -36,7 +36,7 @@ pub fn certificate(scene: &Scene, model: &Model, curves: &[ComputedResponse]) ->
     let harmonics = curves.iter().flat_map(|computed| &computed.branch.points).map(|p| p.coefficients.n_harmonics());
     checks.extend(of_responses(compared, harmonics.max().unwrap_or(scene.method.harmonics), places.len()));
     checks.push(open_modes(scene, model.open_modes(), 0));
-    checks.push(mesh::frequency(scene));
+    checks.push(mesh::frequency(scene, model.reduction.as_ref()));
     checks.extend(mesh::contact_mass(model.shift));
     checks.extend(model.reduction.as_ref().and_then(|open| mesh::digits(open, scene.method.mode)));
     if let Some(share) = model.beyond_modes {

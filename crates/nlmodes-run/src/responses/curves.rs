@@ -312,6 +312,9 @@ struct Followed {
     is_cut: bool,
 }
 
+/// What the name of a curve from the upper end of the window says more.
+const UPPER: &str = "from the upper end";
+
 /// A response over the frequency; the curves that branch off where they are wanted, and the one from the other end of
 /// the window where that is another.
 fn over_frequency(
@@ -322,9 +325,19 @@ fn over_frequency(
 ) -> Result<Vec<Followed>, ResponseError> {
     let level = job.level.unwrap_or(0.0);
     let branches = settings.subharmonic > 1 || scene.continuation.at_branch_point == AtBranchPoint::All;
-    let mut curves = match branches {
-        true => branching_responses(system, level, settings)?,
-        false => vec![frequency_response(system, level, settings)?],
+    let from_lower_end = match branches {
+        true => branching_responses(system, level, settings),
+        false => frequency_response(system, level, settings).map(|curve| vec![curve]),
+    };
+    let mut curves = match from_lower_end {
+        // Where no motion is found at the lower end, the upper one may have one.
+        Err(error @ (ResponseError::NoStart { .. } | ResponseError::NoStartTouching { .. }))
+            if settings.subharmonic == 1 && !settings.watch.asks_to_end() =>
+        {
+            let curve = response_from_other_end(system, level, settings, &[])?.ok_or(error)?;
+            return Ok(vec![Followed { curve, further: Some(UPPER.to_owned()), is_cut: false }]);
+        }
+        curves => curves?,
     };
     let goes_on = curves.first().is_some_and(|c| !c.end.has(EndReason::MaxPoints) && !c.end.has(EndReason::Stopped));
     let other = match goes_on && settings.subharmonic == 1 {
@@ -337,7 +350,7 @@ fn over_frequency(
     let further = |k: usize| match k {
         0 => None,
         _ if k < known => Some(format!("branch {k}")),
-        _ => Some("from the upper end".to_owned()),
+        _ => Some(UPPER.to_owned()),
     };
     let followed = |(k, curve)| Followed { curve, further: further(k), is_cut: is_cut(k) };
     Ok(curves.into_iter().enumerate().map(followed).collect())

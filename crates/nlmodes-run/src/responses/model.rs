@@ -290,20 +290,15 @@ fn stop_dampers(scene: &Scene, parts: &Reduced) -> Vec<(usize, usize, f64)> {
 /// The mode from which nonlinear modes and phase resonance begin must meet a stop.
 fn check_mode(file: &SceneFile, response: &ResponseModel, open: Option<&OpenStructure>) -> Result<(), RunError> {
     let is_over = |r: &Response| matches!(r.kind, ResponseKind::Frequency | ResponseKind::Force);
-    if !file.scene.responses.iter().all(is_over) {
-        open.map_or(Ok(()), |open| refusal::unless_held_by_weight(file, open))?;
+    // Curves over frequency and level need no linear mode that meets a stop.
+    if file.scene.responses.iter().all(is_over) {
+        return Ok(());
     }
-    let touching = response.touching_at_rest();
-    let touching = touching.map_err(|error| -> RunError { refusal::at(file, "contact", &error) })?;
-    let error = match touching.first() {
-        // Curves over frequency and level need no linear mode that meets a stop.
-        _ if file.scene.responses.iter().all(is_over) => return Ok(()),
-        Some(&contact) => HbmError::TouchesAtRest { contact, gap: response.structure().gaps()[contact] },
-        None => match response.linear_start(file.scene.method.mode) {
-            Ok(_) => return Ok(()),
-            Err(ResponseError::Problem(error)) => error,
-            Err(error) => return Err(file.error_at("contact", &chain(&error), "here", &[]).into()),
-        },
+    open.map_or(Ok(()), |open| refusal::unless_held_by_weight(file, open))?;
+    let error = match response.linear_start(file.scene.method.mode) {
+        Ok(_) => return Ok(()),
+        Err(ResponseError::Problem(error)) => error,
+        Err(error) => return Err(file.error_at("contact", &chain(&error), "here", &[]).into()),
     };
     let key = match &error {
         HbmError::TouchesAtRest { contact, .. } | HbmError::PressedAtRest { contact, .. } => {

@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
 use nlmodes_continuation::{Bound, Branch, ParametricSystem, RunLog, StopReason};
-use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting};
+use nlmodes_hbm::{CondensedStructure, FEW_HARMONICS, Grazing, MixedShooting, harmonics_on_the_way};
 use nlmodes_modal::ModalPoint;
 
 use super::homotopy::{self, Effort};
@@ -14,9 +14,6 @@ use super::{BranchError, BranchMethod, BranchSettings, BranchStart};
 
 /// Most points on the way to a start.
 const APPROACH: usize = 1000;
-
-/// Numbers of harmonics from which a refinement begins, in the order in which they are tried.
-pub(super) const FEW: [usize; 4] = [1, 2, 3, 5];
 
 /// Harmonics, at least, of a point from which an exact motion is sought.
 const BEFORE_SHOOTING: usize = 20;
@@ -156,7 +153,7 @@ pub(super) fn refined(
         },
         ..settings.clone()
     };
-    for first in FEW.into_iter().filter(|few| *few == 1 || *few < harmonic.harmonics) {
+    for first in FEW_HARMONICS.into_iter().filter(|few| *few == 1 || *few < harmonic.harmonics) {
         let found = refined_from(structure, &harmonic, start, target, upward, first, log);
         let found = found.and_then(|(seed, point)| match settings.method {
             BranchMethod::HarmonicBalance => Ok(seed),
@@ -216,7 +213,7 @@ fn refined_from(
     let mut series = coarse_problem.series();
     let (mut x, mut p) =
         on_backbone(&mut Periodic::in_harmonics(coarse_problem, &coarse), &coarse, start, target, log)?;
-    for harmonics in ladder(first, settings.harmonics) {
+    for harmonics in harmonics_on_the_way(first, settings.harmonics) {
         let step = BranchSettings { harmonics, ..settings.clone() };
         let problem = self::problem(structure, &step, start)?;
         let finer = problem.series();
@@ -288,12 +285,6 @@ pub(super) fn heading(tracer: &mut Tracer, seed: &Seed) -> Result<bool, BranchEr
     let rises = branch.points.last().is_none_or(|last| last.x[problem.frequency_index()] >= 1.0);
     let towards_more_energy = seed.direction.last().is_none_or(|d| *d >= 0.0);
     Ok(rises == towards_more_energy)
-}
-
-/// Numbers of harmonics on the way from `first` to `last`.
-pub(super) fn ladder(first: usize, last: usize) -> Vec<usize> {
-    let steps = std::iter::successors(Some(first), |h| Some(h + h.div_ceil(2))).skip(1);
-    steps.take_while(|h| *h < last).chain((last > first).then_some(last)).collect()
 }
 
 /// Unit vector along the coordinate that the target fixes.

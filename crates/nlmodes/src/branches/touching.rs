@@ -5,12 +5,12 @@ use std::ops::ControlFlow;
 
 use nlmodes_contact::solver_by_name;
 use nlmodes_continuation::{Bound, Continuation, ParametricSystem, RunLog, StopReason, Watched};
-use nlmodes_hbm::{CondensedStructure, Grazing, RealSeries, ShrinkingGaps};
+use nlmodes_hbm::{CondensedStructure, FEW_HARMONICS, Grazing, RealSeries, ShrinkingGaps, harmonics_on_the_way};
 
 use super::homotopy::{self, Effort};
 use super::periodic::Periodic;
 use super::prepare::{periodic, problem};
-use super::start::{FEW, Seed, ladder, one_point};
+use super::start::{Seed, one_point};
 use super::{BranchError, BranchSettings};
 
 /// Most points on the way from contacts that stand back to contacts that touch.
@@ -119,7 +119,7 @@ fn before_touching_contacts(
 ) -> Result<Seed, BranchError> {
     settings.watch.begins("looking for the motion before contacts that touch at rest")?;
     let mut failure = None;
-    for first in FEW.into_iter().filter(|few| *few == 1 || *few < settings.harmonics) {
+    for first in FEW_HARMONICS.into_iter().filter(|few| *few == 1 || *few < settings.harmonics) {
         match refined_from(structure, settings, start, first, log) {
             Err(BranchError::NoStartTouching { reason }) => failure = failure.or(Some(reason)),
             outcome => return outcome,
@@ -136,7 +136,7 @@ fn refined_from(
     log: &mut dyn RunLog,
 ) -> Result<Seed, BranchError> {
     let (mut x, mut series) = close(structure, &BranchSettings { harmonics: first, ..settings.clone() }, start, log)?;
-    for harmonics in ladder(first, settings.harmonics) {
+    for harmonics in harmonics_on_the_way(first, settings.harmonics) {
         let finer = BranchSettings { harmonics, ..settings.clone() };
         let problem = problem(structure, &finer, start)?;
         let (next, dim) = (problem.series(), problem.dim());

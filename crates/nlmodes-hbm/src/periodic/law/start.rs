@@ -84,6 +84,7 @@ pub fn modal_start(structure: &ModalStructure, mode: usize, start: ModeStart) ->
         energy: 0.25 * omega_squared * amplitude * amplitude,
         contact,
         length,
+        opening: vec![0.0; structure.n_contacts()],
         mean: padded(&rest),
         shape: padded(&shape),
     })
