@@ -43,11 +43,15 @@ pub fn frequency(scene: &Scene, open: Option<&OpenStructure>) -> Check {
     let mode = scene.method.mode;
     let rest = open.and_then(|open| Some((open.modes.n_modes(), open.state.as_ref()?.rest.closed.as_slice())));
     let pressed = rest.filter(|(_, closed)| closed.contains(&true));
-    let omega = |structure: &Structure| match pressed {
-        Some(pressed) => omega_at_rest(structure, &scene.contacts, pressed, mode),
-        None => omega(structure, mode),
+    let frequencies = match pressed {
+        Some(pressed) => {
+            let contacts = at_same_places(own, &finer, &scene.contacts);
+            let fine = contacts.and_then(|contacts| omega_at_rest(&finer, &contacts, pressed, mode));
+            (omega_at_rest(own, &scene.contacts, pressed, mode), fine)
+        }
+        None => (omega(own, mode), omega(&finer, mode)),
     };
-    match (omega(own), omega(&finer)) {
+    match frequencies {
         (Some(coarse), Some(fine)) if fine > 0.0 => {
             let words = format!(
                 "linear frequency of mode {mode} with {} elements for {}; forces were not compared. Says nothing where \
@@ -70,6 +74,19 @@ fn omega(structure: &Structure, mode: usize) -> Option<f64> {
     let found = linear_modes(model.mass(), model.stiffness(), mode + RIGID_MOTIONS).ok()?;
     let least = RIGID * found.omega.last()?;
     found.omega.get(mode.checked_sub(1)?).copied().filter(|omega| *omega > least)
+}
+
+/// Share of the length within which a node of the finer mesh is at the place of one of the mesh.
+const SAME_PLACE: f64 = 1e-9;
+
+/// The contacts at the nodes of the finer mesh; none where one of them has no node there.
+fn at_same_places(own: &Structure, finer: &Structure, contacts: &[Contact]) -> Option<Vec<Contact>> {
+    let [from, to] = [own.mesh().ok()?, finer.mesh().ok()?];
+    let node = |contact: &Contact| {
+        let place = *from.nodes().get(contact.node)?;
+        to.nodes().iter().position(|at| (at - place).abs() <= SAME_PLACE * own.length)
+    };
+    contacts.iter().map(|contact| Some(Contact { node: node(contact)?, ..contact.clone() })).collect()
 }
 
 /// The same with the contacts of `closed` held, of as many open modes as are taken of the structure.
