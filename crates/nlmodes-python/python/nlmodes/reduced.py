@@ -58,7 +58,7 @@ class ReducedStructure(Analyses):
             raise TypeError("either flexibility_m_n or residual_flexibility_m_n was expected")
         kind = "residual_flexibility_m_n" if flexibility_m_n is None else "flexibility_m_n"
         given = residual_flexibility_m_n if flexibility_m_n is None else flexibility_m_n
-        self._arrays = {
+        self._arrays: dict[str, Any] = {
             "frequencies_hz": _arguments.floats("frequencies_hz", frequencies_hz, ("modes",)),
             "contact_rows": _arguments.floats("rows", rows, ("rows", "modes")),
             kind: _arguments.floats(kind, given, ("rows", "rows")),

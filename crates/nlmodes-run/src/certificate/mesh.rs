@@ -86,7 +86,7 @@ fn at_same_places(own: &Structure, finer: &Structure, contacts: &[Contact]) -> O
         let place = *from.nodes().get(contact.node)?;
         to.nodes().iter().position(|at| (at - place).abs() <= SAME_PLACE * own.length)
     };
-    contacts.iter().map(|contact| Some(Contact { node: node(contact)?, ..contact.clone() })).collect()
+    contacts.iter().map(|contact| Some(Contact { node: node(contact)?, ..*contact })).collect()
 }
 
 /// The same with the contacts of `closed` held, of as many open modes as are taken of the structure.
