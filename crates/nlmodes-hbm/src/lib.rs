@@ -103,8 +103,8 @@ pub use ladder::{FEW_HARMONICS, harmonics_on_the_way};
 pub use mixed_shooting::{MAX_HARMONICS, MixedShooting, MixedShootingSettings, Scales};
 pub use nlmodes_reduction::HeldMode;
 pub use periodic::{
-    Bilinear, Exponential, ForceLaw, LawForce, ModeStart, PlacedLaw, Polynomial, PowerDamper, PowerSpring, TableLaw,
-    largest_value, law_length, modal_start,
+    Bilinear, Exponential, ForceLaw, HertzStop, LawForce, ModeStart, PlacedLaw, Polynomial, PowerDamper, PowerSpring,
+    TableLaw, largest_value, law_length, modal_start, touch_spans,
 };
 pub use periodic::{
     Closing, ClosingEquation, Column, ContactMotion, Coordinates, DampedStop, EnergyGiven, Floquet, Functional, Load,

@@ -34,8 +34,8 @@ pub use damped_stop::DampedStop;
 pub use damping::ModalDamping;
 pub use floquet::Floquet;
 pub use law::{
-    Bilinear, Exponential, ForceLaw, LawForce, ModeStart, PlacedLaw, Polynomial, PowerDamper, PowerSpring, TableLaw,
-    law_length, modal_start,
+    Bilinear, Exponential, ForceLaw, HertzStop, LawForce, ModeStart, PlacedLaw, Polynomial, PowerDamper, PowerSpring,
+    TableLaw, law_length, modal_start, touch_spans,
 };
 pub use load::{Load, LoadTerm};
 pub use motion::{ContactMotion, PeriodicMotion, largest_value};

@@ -1,9 +1,10 @@
 //! What the contacts do over one period, instant by instant.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use nlmodes_contact::{LcpMatrix, LcpWorkspace, solver_by_name};
-use nlmodes_hbm::{HbmError, PeriodicMotion};
+use nlmodes_hbm::{ForceLaw, HbmError, PeriodicMotion, PlacedLaw, touch_spans};
 use nlmodes_linalg::Mat;
 use nlmodes_modal::ClosedSpan;
 use num_complex::Complex64;
@@ -19,8 +20,17 @@ pub struct ContactPattern<'a> {
     y: Vec<Vec<Complex64>>,
     /// Of each contact whose stop dissipates, the displacement of the stop, harmonic by harmonic.
     stops: Vec<Option<Vec<Complex64>>>,
+    /// Stops with a law of force, which are told behind the contacts.
+    laws: Vec<LawStop>,
     /// Ends in phase (rad) of the segments with constant closed set, in order from 0 to 2π, and `dλ/dy` there.
     stretches: Vec<([f64; 2], Mat<f64>)>,
+}
+
+/// A stop with a law of force, and the displacement toward it, harmonic by harmonic, m.
+#[derive(Debug)]
+struct LawStop {
+    law: Arc<dyn ForceLaw>,
+    displacement: Vec<Complex64>,
 }
 
 /// Displacement toward its stop from rest (m) with two derivatives by time, and force (N).
@@ -59,7 +69,8 @@ impl ResponseModel {
             motion.stops.iter().map(|stops| stops.get(j).copied()).collect::<Option<Vec<Complex64>>>()
         };
         let stops = (0..structure.n_contacts()).map(stop).collect();
-        let mut pattern = ContactPattern { model: self, omega: motion.at.omega, y, stops, stretches: Vec::new() };
+        let laws = self.law_stops(motion, subharmonic)?;
+        let mut pattern = ContactPattern { model: self, omega: motion.at.omega, y, stops, laws, stretches: Vec::new() };
         let samples = (SAMPLES * motion.eta.len()).max(FEWEST);
         let mut begin = 0.0;
         let mut before = pattern.closed(0.0, workspace.as_mut())?;
@@ -78,7 +89,19 @@ impl ResponseModel {
             (begin, before) = (high, after);
         }
         pattern.stretches.push(([begin, TAU], sensitivity(matrix, &before)?));
+        pattern.divide();
         Ok(pattern)
+    }
+
+    /// The stops with a law of force in a motion.
+    fn law_stops(&self, motion: &PeriodicMotion, subharmonic: usize) -> Result<Vec<LawStop>, ResponseError> {
+        let is_stop = |(_, placed): &(usize, &PlacedLaw)| placed.law.stop_gap().is_some();
+        let all = self.structure().laws().iter().enumerate().filter(is_stop);
+        let (laws, weights): (Vec<_>, Vec<_>) =
+            all.filter_map(|(l, placed)| Some((placed.law.clone(), self.law_weights(l)?.clone()))).unzip();
+        let rows = self.rows(&weights)?;
+        let of = |(law, row)| LawStop { law, displacement: self.displacement(row, motion, subharmonic) };
+        Ok(laws.into_iter().zip(&rows).map(of).collect())
     }
 
     fn gap_harmonics(&self, motion: &PeriodicMotion, subharmonic: usize) -> Vec<Vec<Complex64>> {
@@ -103,6 +126,20 @@ impl ResponseModel {
 }
 
 impl ContactPattern<'_> {
+    /// Divides the segments where a stop with a law of force begins or ends to act.
+    fn divide(&mut self) {
+        let spans = self.laws.iter().flat_map(|stop| touch_spans(stop.law.as_ref(), &stop.displacement, self.omega));
+        let mut ends: Vec<f64> = spans.filter(|[a, b]| b - a < TAU).flatten().map(|tau| tau.rem_euclid(TAU)).collect();
+        ends.sort_by(f64::total_cmp);
+        let mut divided = Vec::with_capacity(self.stretches.len() + ends.len());
+        for ([from, to], s) in self.stretches.drain(..) {
+            let within = ends.iter().copied().filter(|tau| *tau > from && *tau < to);
+            let all: Vec<f64> = [from].into_iter().chain(within).chain([to]).collect();
+            divided.extend(all.windows(2).map(|pair| ([pair[0], pair[1]], s.clone())));
+        }
+        self.stretches = divided;
+    }
+
     /// Ends in phase (rad) of the segments with unchanged closed contacts, in order from 0 to 2π.
     pub fn stretches(&self) -> Vec<[f64; 2]> {
         self.stretches.iter().map(|(ends, _)| *ends).collect()
@@ -126,10 +163,15 @@ impl ContactPattern<'_> {
             });
             ContactState { motion: [structure.gaps()[i] + motion[0], motion[1], motion[2]], force: force[0][i] }
         };
-        (0..c).map(of).collect()
+        let of_law = |stop: &LawStop| {
+            let motion = [0, 1, 2].map(|order| self.value(&stop.displacement, tau, order));
+            ContactState { motion, force: stop.law.at(motion[0], motion[1]).force }
+        };
+        (0..c).map(of).chain(self.laws.iter().map(of_law)).collect()
     }
 
-    /// The spans of a period in which each contact is closed, with its force: a series for each contact pattern.
+    /// The spans of a period in which each contact is closed, with its force: a series for each contact pattern; none
+    /// of a stop with a law of force, which has no such series.
     pub fn closed_spans(&self) -> Vec<Vec<ClosedSpan>> {
         let c = self.y.len();
         let force = |s: &Mat<f64>, i: usize| {
@@ -144,7 +186,7 @@ impl ContactPattern<'_> {
             let closed = self.stretches.iter().filter(|(_, s)| is_closed(s, i));
             closed.map(|([from, to], s)| ClosedSpan { from: *from, to: *to, force: force(s, i) }).collect()
         };
-        (0..c).map(of).collect()
+        (0..c).map(of).chain(self.laws.iter().map(|_| Vec::new())).collect()
     }
 
     /// Gaps without contact forces at a phase, or their derivatives by time.

@@ -425,6 +425,11 @@ impl ResponseModel {
         self.laws.iter().map(|law| moved(weights, &law.residual))
     }
 
+    /// The weights of the place of a law; `None` if there is no such law.
+    pub fn law_weights(&self, law: usize) -> Option<&Weights> {
+        self.laws.get(law).map(|law| &law.weights)
+    }
+
     fn shape_at(&self, weights: &Weights) -> Vec<f64> {
         let at = |k: usize| weights.iter().map(|&(dof, w)| w * self.open.shapes()[(dof, k)]).sum();
         self.padded((0..self.open.n_modes()).map(at).collect())

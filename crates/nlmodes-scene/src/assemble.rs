@@ -417,13 +417,14 @@ fn full_model(scene: &Scene, structures: &Structures) -> Result<StructuralModel,
     }
 }
 
-/// A rod or beam with its stops as its elements give it.
+/// A rod or beam with its stops as its elements give it; those with a law of force of their own stand beside it.
 ///
 /// # Errors
 /// What the element library has against it.
 pub fn element_model(structure: &scene::Structure, contacts: &[scene::Contact]) -> Result<StructuralModel, FemError> {
     let model = Elements::new(structure)?.assemble(&[])?;
-    let contacts = contacts.iter().map(|of| contact::contact(of, model.dofs(), &[0])).collect::<Result<Vec<_>, _>>()?;
+    let stops = contacts.iter().filter(|of| of.hertz.is_none());
+    let contacts = stops.map(|of| contact::contact(of, model.dofs(), &[0])).collect::<Result<Vec<_>, _>>()?;
     Ok(model.with_contacts(contacts)?)
 }
 

@@ -150,7 +150,8 @@ fn rest(
         false => method,
     });
     if let Some(stiffness) = method.as_ref().and_then(|method| method.contact_stiffness) {
-        contacts.iter_mut().for_each(|contact| _ = contact.stiffness.get_or_insert(stiffness));
+        let linear = contacts.iter_mut().filter(|contact| contact.hertz.is_none());
+        linear.for_each(|contact| _ = contact.stiffness.get_or_insert(stiffness));
         if let Some(SceneStructure::Matrices(matrices)) = &mut structure {
             matrices.contacts.iter_mut().for_each(|contact| _ = contact.stiffness.get_or_insert(stiffness));
         }
@@ -166,6 +167,7 @@ fn rest(
     let uniform = structure.as_ref().is_none_or(|s| s.straight().is_some_and(|s| s.segments.is_empty()));
     let updating = raw.updating.as_ref().map(|written| updating::checked(written, uniform, diagnostics));
     contact::dampers(&contacts, structure.as_ref(), has_responses, diagnostics);
+    contact::check_laws(raw, is_open, &contacts, diagnostics);
     let static_loads = static_loads::check(raw, base, &subject.places, diagnostics);
     let springs = springs::check(raw, base, &subject.places, diagnostics);
     let of_responses = response::check(raw, &subject.places, method.as_ref(), diagnostics);

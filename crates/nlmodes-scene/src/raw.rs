@@ -84,18 +84,22 @@ pub struct RawAnalysis {
     pub overlay: Option<Vec<Overlay>>,
     /// Where results go
     pub output: Option<Output>,
+    /// Whether a stop has a law of force, which the tables of contacts say.
+    #[serde(skip)]
+    #[schemars(skip)]
+    pub has_law_stops: bool,
 }
 
 impl RawAnalysis {
-    /// Whether curves of responses are computed: they are asked for, or springs with a law of force are there, whose
-    /// nonlinear mode is one.
+    /// Whether curves of responses are computed: they are asked for, or springs or stops with a law of force are there,
+    /// whose nonlinear mode is one.
     pub fn has_responses(&self) -> bool {
         self.response.as_ref().is_some_and(|responses| !responses.is_empty()) || self.has_laws()
     }
 
-    /// Whether there are springs with a law of force.
+    /// Whether there are springs or stops with a law of force.
     pub fn has_laws(&self) -> bool {
-        self.spring.as_ref().is_some_and(|springs| !springs.is_empty())
+        self.has_law_stops || self.spring.as_ref().is_some_and(|springs| !springs.is_empty())
     }
 }
 
@@ -111,6 +115,26 @@ pub struct RawScene {
     /// Everything else
     #[serde(flatten)]
     pub analysis: RawAnalysis,
+}
+
+impl RawScene {
+    /// The same, which knows whether a stop has a law of force.
+    pub fn with_law_stops(mut self) -> Self {
+        self.analysis.has_law_stops = has_law_stops(self.contact.as_deref());
+        self
+    }
+}
+
+impl RawBodiesScene {
+    /// The same, which knows whether a stop has a law of force.
+    pub fn with_law_stops(mut self) -> Self {
+        self.analysis.has_law_stops = has_law_stops(self.contact.as_deref());
+        self
+    }
+}
+
+fn has_law_stops(contacts: Option<&[RawContact]>) -> bool {
+    contacts.unwrap_or_default().iter().any(|contact| contact.stiffness_hertz_n_m15.is_some())
 }
 
 /// A scene of nlmodes: several rods and beams, each under its own heading `[[structure]]`, with contacts between them
@@ -149,6 +173,17 @@ pub struct RawContact {
     /// the force of both vanishes
     #[schemars(extend("unit" = "N s/m", "exclusiveMinimum" = 0.0))]
     pub damping_n_s_m: Option<f64>,
+    /// Stiffness of a stop whose force is this times a power of the approach, as that of a ball on a plate after Hertz,
+    /// in N over that power of a metre; it stands behind the stops that have none
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub stiffness_hertz_n_m15: Option<f64>,
+    /// The power of the approach; default 1.5
+    #[schemars(range(min = 1.0, max = 20.0))]
+    pub exponent: Option<f64>,
+    /// Dissipation by Hunt and Crossley: the force times one plus this times the speed of the approach, and never a
+    /// pull; for responses and damped modes
+    #[schemars(extend("unit" = "s/m", "minimum" = 0.0))]
+    pub dissipation_s_m: Option<f64>,
     /// Coefficient of friction of which the power is estimated for `contacts.csv`, from the motion without friction;
     /// the motion does not feel it
     #[schemars(range(min = 0.0))]

@@ -175,10 +175,12 @@ fn one_state(read: Read<'_, '_>) -> Result<SceneFile, SceneError> {
     } else if root.as_ref().is_some_and(|root| planned::is_of_bodies(root.get_ref())) {
         let raw: Option<raw::RawBodiesScene> =
             root.and_then(|root| tables(root, other, schema::of_bodies(), &mut diagnostics));
+        let raw = raw.map(raw::RawBodiesScene::with_law_stops);
         raw.and_then(|raw| check::bodies_scene(&raw, &stem, &base(text.name), &mut diagnostics))
     } else {
         let raw: Option<raw::RawScene> =
             root.and_then(|root| tables(root, other, schema::of_structure(), &mut diagnostics));
+        let raw = raw.map(raw::RawScene::with_law_stops);
         raw.and_then(|raw| check::scene(&raw, &stem, &base(text.name), &mut diagnostics))
     };
     let mut file = finish(scene, diagnostics)?;

@@ -122,6 +122,11 @@ impl Scene {
         }
     }
 
+    /// Whether a spring or a stop has a law of force.
+    pub fn has_laws(&self) -> bool {
+        !self.springs.is_empty() || self.contacts.iter().any(|contact| contact.hertz.is_some())
+    }
+
     /// Whether nothing in it is nonlinear: no stop, and no spring with a law of force.
     pub fn is_linear(&self) -> bool {
         self.n_contact_tables() == 0 && self.springs.is_empty()
@@ -316,6 +321,9 @@ pub struct Contact {
     /// Damper beside it, N s/m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub damping: Option<f64>,
+    /// Its law of force, where that is not linear: then it is no contact of the structural model, but a law beside it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hertz: Option<Hertz>,
     /// Coefficient of friction of which the power is estimated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction_estimate: Option<f64>,
@@ -325,6 +333,18 @@ pub struct Contact {
     /// The node of another structure that is touched in place of a stop.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub against: Option<Facing>,
+}
+
+/// `k δⁿ max(0, 1 + χ δ̇)` at the approach δ.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Hertz {
+    /// `k`, N/mⁿ.
+    pub stiffness: f64,
+    /// `n`.
+    pub exponent: f64,
+    /// `χ`, s/m.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub dissipation: f64,
 }
 
 /// A node of another structure that a node can touch.

@@ -24,7 +24,7 @@ impl PeriodicSystem {
     /// [`HbmError`] if the contact problem has no solution there, or a factorisation fails.
     pub fn doubling_disturbance(&mut self, x: &[f64], p: f64, highest: usize) -> Result<Vec<Vec<Complex64>>, HbmError> {
         let at = self.solve(x, p)?;
-        let laws = self.law_motion(x);
+        let laws = self.law_motion(x, at.omega);
         let m = self.structure.n_modes();
         let intervals: Vec<PatternInterval> = self.operator.intervals().to_vec();
         let mut flows = Vec::with_capacity(intervals.len());

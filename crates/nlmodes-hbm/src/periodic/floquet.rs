@@ -5,7 +5,7 @@ use nlmodes_modal::Stability;
 use num_complex::Complex64;
 
 use super::block::dynamic_stiffness;
-use super::law::LawOperator;
+use super::law::{LawOperator, PlacedLaw, law_value, touch_spans};
 use super::operating_point::OperatingPoint;
 use super::system::PeriodicSystem;
 use crate::closed_set::ClosedSet;
@@ -49,36 +49,56 @@ const FINER: usize = 3;
 /// Steps of a period for each harmonic in which the slopes of laws are followed.
 const STEPS: usize = 4;
 
+/// Steps of a touch of a stop with a law of force.
+const STEPS_OF_TOUCH: usize = 32;
+
 /// Displacements of the laws over a period.
 pub(super) struct LawMotion {
     /// Complex amplitudes of each law, m.
     z: Vec<Vec<Complex64>>,
+    /// Phases between 0 and 2π, in order, between which slopes of stops are smooth: steps in each touch, dense toward
+    /// its ends, where a slope grows with a root of the time.
+    breaks: Vec<f64>,
 }
 
 impl LawMotion {
-    /// From coefficients, one law after the other, m.
-    pub fn new(series: RealSeries, real: &[f64]) -> Self {
+    /// From coefficients, one law after the other, m, at an angular frequency, rad/s.
+    pub fn new(series: RealSeries, real: &[f64], laws: &[PlacedLaw], omega: f64) -> Self {
         let of = |real: &[f64]| {
             let mut z = vec![Complex64::default(); series.n_harmonics + 1];
             series.to_complex(real, &mut z);
             z
         };
-        Self { z: real.chunks(series.width()).map(of).collect() }
+        let z: Vec<Vec<Complex64>> = real.chunks(series.width()).map(of).collect();
+        let stops = laws.iter().zip(&z).filter(|(placed, _)| placed.law.stop_gap().is_some());
+        let spans = stops.flat_map(|(placed, z)| touch_spans(placed.law.as_ref(), z, omega));
+        let steps = spans.flat_map(|[from, to]| {
+            let at = |s: f64| s.powi(3) * (10.0 + s * (6.0 * s - 15.0));
+            let share = |j: usize| j as f64 / STEPS_OF_TOUCH as f64;
+            (0..=STEPS_OF_TOUCH).map(move |j| (from + (to - from) * at(share(j))).rem_euclid(TAU))
+        });
+        let mut breaks: Vec<f64> = steps.collect();
+        breaks.sort_by(f64::total_cmp);
+        breaks.dedup();
+        Self { z, breaks }
     }
 
     /// Displacement of a law and its derivative by the phase.
     fn at(&self, law: usize, tau: f64) -> (f64, f64) {
-        let term = |(n, z): (usize, &Complex64)| {
-            let turned = z * Complex64::cis(n as f64 * tau);
-            (turned.re, -turned.im * n as f64)
-        };
-        self.z[law].iter().enumerate().map(term).fold((0.0, 0.0), |sum, term| (sum.0 + term.0, sum.1 + term.1))
+        law_value(&self.z[law], tau)
     }
 
-    /// Steps in which an interval of this width is divided.
-    fn steps(&self, width: f64) -> usize {
+    /// The steps in which an interval is divided, by their beginnings and widths.
+    fn steps(&self, from: f64, width: f64) -> Vec<(f64, f64)> {
         let harmonics = self.z.first().map_or(0, Vec::len);
-        ((width / TAU * (STEPS * harmonics) as f64).ceil() as usize).max(1)
+        let within = self.breaks.iter().copied().filter(|phase| *phase > from && *phase < from + width);
+        let ends: Vec<f64> = [from].into_iter().chain(within).chain([from + width]).collect();
+        let divided = |pair: &[f64]| {
+            let (from, width) = (pair[0], pair[1] - pair[0]);
+            let count = ((width / TAU * (STEPS * harmonics) as f64).ceil() as usize).max(1);
+            (0..count).map(move |j| (from + width * j as f64 / count as f64, width / count as f64)).collect::<Vec<_>>()
+        };
+        ends.windows(2).flat_map(divided).collect()
     }
 }
 
@@ -90,7 +110,7 @@ impl PeriodicSystem {
     /// [`HbmError`] if the contact problem has no solution there, or a factorisation fails.
     pub fn floquet(&mut self, x: &[f64], p: f64, solver: &dyn nlmodes_contact::LcpSolver) -> Result<Floquet, HbmError> {
         let at = self.solve(x, p)?;
-        let laws = self.law_motion(x);
+        let laws = self.law_motion(x, at.omega);
         let coarse = self.multipliers(&self.operator, &laws, at)?;
         let series = RealSeries { symmetry: Symmetry::None, n_harmonics: FINER * self.settings().harmonics };
         let mut finer = ContactOperator::new(self.structure.compliance(), series, crate::Switching::Exact, solver)?;
@@ -101,9 +121,9 @@ impl PeriodicSystem {
         Ok(Floquet { multipliers, error: error.max(1e-9) })
     }
 
-    /// Displacements of the laws in the motion with the unknowns `x`.
-    pub(super) fn law_motion(&self, x: &[f64]) -> LawMotion {
-        LawMotion::new(self.series(), &self.law_displacements(x))
+    /// Displacements of the laws in the motion with the unknowns `x` at an angular frequency, rad/s.
+    pub(super) fn law_motion(&self, x: &[f64], omega: f64) -> LawMotion {
+        LawMotion::new(self.series(), &self.law_displacements(x), self.structure.laws(), omega)
     }
 
     fn law_displacements(&self, x: &[f64]) -> Vec<f64> {
@@ -155,7 +175,7 @@ impl PeriodicSystem {
                 series.put(*moved, n, &mut real[i * series.width()..(i + 1) * series.width()]);
             }
         }
-        Ok((y, LawMotion::new(series, &v)))
+        Ok((y, LawMotion::new(series, &v, laws, at.omega)))
     }
 
     /// What the motion does to a disturbance within an interval of the contact pattern: `e^{𝒜 Δt}`, `𝒜` that of
@@ -172,11 +192,10 @@ impl PeriodicSystem {
         if laws.z.is_empty() {
             return matrix_exponential(&self.flow(set, laws, (interval.from, width), at)?).map_err(failed);
         }
-        let (states, steps) = (self.n_states(), laws.steps(width));
+        let states = self.n_states();
         let mut product = Mat::<f64>::identity(states, states);
-        for j in 0..steps {
-            let part = width / steps as f64;
-            let middle = interval.from + (j as f64 + 0.5) * part;
+        for (from, part) in laws.steps(interval.from, width) {
+            let middle = from + 0.5 * part;
             let [a, b] = [-1.0, 1.0].map(|side| self.flow(set, laws, (middle + side * part / 12_f64.sqrt(), part), at));
             let (a, b) = (a?, b?);
             let twisted = &b * &a - &a * &b;

@@ -1,17 +1,22 @@
 //! Laws of force beside stops: springs and dampers whose force is a smooth function of displacement or velocity.
 
+mod hertz;
 mod operator;
 mod shapes;
 mod start;
 mod table;
+mod touches;
 
 use std::fmt::Debug;
 use std::sync::Arc;
 
-pub(crate) use operator::LawOperator;
+pub use hertz::HertzStop;
+pub(crate) use operator::{LawOperator, StopMotion};
 pub use shapes::{Bilinear, Exponential, Polynomial, PowerDamper, PowerSpring};
 pub use start::{ModeStart, law_length, modal_start};
 pub use table::TableLaw;
+pub use touches::touch_spans;
+pub(crate) use touches::value as law_value;
 
 use super::structure::ModalStructure;
 use crate::HbmError;
@@ -43,6 +48,16 @@ pub trait ForceLaw: Send + Sync + Debug {
     /// Whether the force depends on the velocity.
     fn dissipates(&self) -> bool {
         false
+    }
+
+    /// What a law that dissipates leaves where nothing does; `None` where nothing is left.
+    fn without_dissipation(&self) -> Option<Arc<dyn ForceLaw>> {
+        None
+    }
+
+    /// Clearance at rest of a law that is a stop, m: it pushes, and not before `v` is greater. `None` of any other law.
+    fn stop_gap(&self) -> Option<f64> {
+        None
     }
 }
 
@@ -87,6 +102,11 @@ impl ModalStructure {
         &self.laws
     }
 
+    /// The laws that are stops, which motions tell as contacts behind those of the structure.
+    pub fn law_stops(&self) -> impl Iterator<Item = &PlacedLaw> {
+        self.laws.iter().filter(|placed| placed.law.stop_gap().is_some())
+    }
+
     /// Number of places whose static displacement a load tells: the contacts, and the laws behind them.
     pub fn n_places(&self) -> usize {
         self.n_contacts() + self.laws.len()
@@ -95,9 +115,14 @@ impl ModalStructure {
     /// The same structure without what dissipates.
     pub(crate) fn conservative(&self) -> Result<Self, HbmError> {
         let mut structure = self.with_damping(super::damping::ModalDamping::none(self.n_modes()))?;
-        let kept: Vec<usize> = (0..self.laws.len()).filter(|&l| !self.laws[l].law.dissipates()).collect();
-        let of = |l: &usize| PlacedLaw {
-            laws: kept.iter().map(|&other| self.laws[*l].laws[other]).collect(),
+        let left = |(l, placed): (usize, &PlacedLaw)| match placed.law.dissipates() {
+            false => Some((l, placed.law.clone())),
+            true => Some((l, placed.law.without_dissipation()?)),
+        };
+        let kept: Vec<(usize, Arc<dyn ForceLaw>)> = self.laws.iter().enumerate().filter_map(left).collect();
+        let of = |(l, law): &(usize, Arc<dyn ForceLaw>)| PlacedLaw {
+            law: law.clone(),
+            laws: kept.iter().map(|(other, _)| self.laws[*l].laws[*other]).collect(),
             ..self.laws[*l].clone()
         };
         structure.laws = kept.iter().map(of).collect();

@@ -5,6 +5,7 @@ use nlmodes_modal::{ClosedSpan, ContactPeriod, HarmonicCoefficients, ModalPoint,
 use nlmodes_model::DofContact;
 use num_complex::Complex64;
 
+use super::law::StopMotion;
 use super::operating_point::OperatingPoint;
 use super::rows::complex_harmonic;
 use super::structure::ResponseRow;
@@ -60,7 +61,7 @@ pub struct PeriodicMotion {
     pub forces: Vec<Vec<Complex64>>,
     /// Reactions of the laws on the structure, harmonic by harmonic, N.
     pub reactions: Vec<Vec<Complex64>>,
-    /// The contacts.
+    /// The contacts, and behind them the laws that are stops.
     pub contacts: Vec<ContactMotion>,
     /// Averaged kinetic energy, J.
     pub kinetic_energy: f64,
@@ -140,7 +141,9 @@ impl PeriodicSystem {
         let (forces, reactions): (Vec<Vec<Complex64>>, Vec<Vec<Complex64>>) = (0..eta.len()).map(split).unzip();
         let free = complex_harmonic(series, &self.y, 1);
         let mean = self.operator.mean_forces();
-        let contacts = (0..c).map(|i| self.contact_motion(i, mean[i], free[i], (&eta, &forces[1]), at.omega)).collect();
+        let own = (0..c).map(|i| self.contact_motion(i, mean[i], free[i], (&eta, &forces[1]), at.omega));
+        let of_laws = (0..self.laws.len()).filter_map(|l| self.stop_motion(l, (&forces[1], &reactions[1])));
+        let contacts = own.chain(of_laws).collect();
         let nu = |n: usize| n as f64 * at.omega;
         let moving = self.structure.n_moving();
         let kinetic = |n: usize| 0.25 * nu(n).powi(2) * eta[n][..moving].iter().map(|e| e.norm_sqr()).sum::<f64>();
@@ -303,6 +306,27 @@ impl PeriodicSystem {
     /// Iterations of the contact solver so far.
     pub fn contact_iterations(&self) -> usize {
         self.operator.iterations()
+    }
+
+    /// What a law does that is a stop.
+    fn stop_motion(&self, l: usize, (forces, reactions): (&[Complex64], &[Complex64])) -> Option<ContactMotion> {
+        let StopMotion { closed_share, touches, peak_force, mean_force, approach, displacement } =
+            self.laws.stop_motion(l)?;
+        let placed = &self.structure.laws()[l];
+        let along = |row: &[f64], z: &[Complex64]| row.iter().zip(z).map(|(h, z)| z * *h).sum::<Complex64>();
+        let fundamental = -displacement.get(1).copied().unwrap_or_default();
+        let free_fundamental = fundamental + along(&placed.contacts, forces) + along(&placed.laws, reactions);
+        let peak = largest_value(&displacement);
+        Some(ContactMotion {
+            closed_share,
+            touches,
+            peak_force,
+            mean_force,
+            approach,
+            peak,
+            fundamental,
+            free_fundamental,
+        })
     }
 
     fn contact_motion(

@@ -6,6 +6,7 @@ mod elastic_stops;
 mod face_in_time;
 mod floating;
 mod forced_numbers;
+mod hertz;
 mod invariants;
 mod jacobian;
 mod laws;

@@ -1,12 +1,14 @@
-//! Springs and dampers of a scene with a law of force.
+//! Springs, dampers and stops of a scene with a law of force.
 
 use std::path::Path;
 use std::sync::Arc;
 
-use nlmodes::hbm::{Bilinear, Exponential, ForceLaw, ModeStart, Polynomial, PowerDamper, PowerSpring, TableLaw};
+use nlmodes::hbm::{
+    Bilinear, Exponential, ForceLaw, HertzStop, ModeStart, Polynomial, PowerDamper, PowerSpring, TableLaw,
+};
 use nlmodes::response::{ResponseModel, Weights};
 use nlmodes_scene::SceneFile;
-use nlmodes_scene::scene::{Place, SpringLaw};
+use nlmodes_scene::scene::{Hertz, Place, Side, SpringLaw};
 
 use crate::{RunError, chain, two_columns};
 
@@ -17,7 +19,15 @@ pub const SAMPLES: usize = 1024;
 /// Force in a table at rest, over its largest, up to which it is rounding.
 const AT_REST: f64 = 1e-12;
 
-/// Adds the springs of a scene; the displacements that they resist. `at` gives the weights of a place.
+/// The laws of a scene.
+pub struct Laws {
+    /// The displacements that its springs resist.
+    pub springs: Vec<Weights>,
+    /// The displacements toward its stops with a law of force, and their gaps, m.
+    pub stops: Vec<(Weights, f64)>,
+}
+
+/// Adds the springs and stops of a scene with a law of force. `at` gives the weights of a place.
 ///
 /// # Errors
 /// [`RunError`] at the key that it is about.
@@ -25,7 +35,7 @@ pub fn add(
     file: &SceneFile,
     response: &mut ResponseModel,
     at: &dyn Fn(&str, &Place) -> Result<Weights, RunError>,
-) -> Result<Vec<Weights>, RunError> {
+) -> Result<Laws, RunError> {
     let scene = &file.scene;
     let mut springs = Vec::new();
     for (i, spring) in scene.springs.iter().enumerate() {
@@ -39,16 +49,44 @@ pub fn add(
             .map_err(|error| file.error_at(&format!("spring.{i}"), &chain(&error), "here", &[]))?;
         springs.push(weights);
     }
-    if !springs.is_empty() && response.structure().is_pressed() {
-        let title = "a stop that presses at rest beside springs with a law of force";
+    if scene.has_laws() && response.structure().is_pressed() {
+        let title = "a stop that presses at rest beside springs or stops with a law of force";
         let help =
             ["where both come to rest is not computed: give the law about that place, and gaps that are open there"];
         return Err(file.error_at("contact", title, "expected gaps that are not negative", &help).into());
     }
+    let stops = stops(file, response, at)?;
     let of = &scene.continuation;
     let amplitude = of.start_amplitude_m.map(ModeStart::Amplitude);
     response.set_mode_start(amplitude.or(of.start_energy_j.map(ModeStart::Energy)).unwrap_or_default());
-    Ok(springs)
+    Ok(Laws { springs, stops })
+}
+
+/// Adds the stops with a law of force, and says where they are.
+fn stops(
+    file: &SceneFile,
+    response: &mut ResponseModel,
+    at: &dyn Fn(&str, &Place) -> Result<Weights, RunError>,
+) -> Result<Vec<(Weights, f64)>, RunError> {
+    let mut stops = Vec::new();
+    for (i, contact) in file.scene.contacts.iter().enumerate() {
+        let Some(Hertz { stiffness, exponent, dissipation }) = contact.hertz else { continue };
+        let path = format!("contact.{i}.at_m");
+        let place = |structure, at| Place::Along { at, direction: contact.direction, structure };
+        let toward = if contact.side == Side::Positive { 1.0 } else { -1.0 };
+        let own = at(&path, &place(contact.structure, contact.at))?.into_iter().map(|(dof, w)| (dof, toward * w));
+        let mut weights: Weights = own.collect();
+        if let Some(other) = contact.against {
+            let other = at(&path, &place(other.structure, other.at))?;
+            weights.extend(other.into_iter().map(|(dof, w)| (dof, -toward * w)));
+        }
+        let law = HertzStop { stiffness, exponent, gap: contact.gap, dissipation };
+        response
+            .add_law(&weights, Arc::new(law), SAMPLES)
+            .map_err(|error| file.error_at(&format!("contact.{i}"), &chain(&error), "here", &[]))?;
+        stops.push((weights, contact.gap));
+    }
+    Ok(stops)
 }
 
 fn law(file: &SceneFile, i: usize, law: &SpringLaw) -> Result<Arc<dyn ForceLaw>, RunError> {

@@ -109,7 +109,7 @@ impl Model {
             }
             Ok(weights)
         };
-        let springs = laws::add(file, &mut response, &at)?;
+        let laws::Laws { springs, stops } = laws::add(file, &mut response, &at)?;
         check_mode(file, &response, parts.reduction.as_ref())?;
         let omega = parts.open.omega_squared().get(scene.method.mode - 1).map_or(0.0, |w| w.max(0.0).sqrt());
         let mut beyond_modes = Vec::new();
@@ -118,7 +118,7 @@ impl Model {
             let one = Dashpot { at: at(&path, &dashpot.place)?, damping: dashpot.damping };
             let share = response.beyond_modes(&one).map_err(|error| failed(&path, &error))?;
             // Beside laws dashpots are laws too, with all of the flexibility at their place.
-            if scene.springs.is_empty() {
+            if !scene.has_laws() {
                 beyond_modes.push(omega * share);
                 response.add_dashpots(&[one]).map_err(|error| failed(&path, &error))?;
             } else {
@@ -154,7 +154,8 @@ impl Model {
             Some(_) => "m",
             None => "N",
         };
-        let contacts = parts.toward_stops();
+        let (of_laws, law_gaps): (Vec<Weights>, Vec<f64>) = stops.into_iter().unzip();
+        let contacts = [parts.toward_stops(), of_laws].concat();
         let default = force_places.first().or(contacts.first()).or(springs.first()).cloned().unwrap_or_default();
         let mut drives = Vec::new();
         for (i, response) in scene.responses.iter().enumerate() {
@@ -168,7 +169,7 @@ impl Model {
             contacts.iter().map(|weights| coordinate(weights, recorded)).collect();
         let model = Self {
             parameters: parameters(file, parts.open.n_modes(), structures)?,
-            gaps: drawn_gaps(&parts),
+            gaps: [drawn_gaps(&parts), law_gaps].concat(),
             moved: parts.state.as_ref().map(|state| of_dofs(state, &parts.recorded)).unwrap_or_default(),
             state: parts.state.clone(),
             response,

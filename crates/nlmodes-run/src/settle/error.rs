@@ -51,10 +51,10 @@ pub enum SettleError {
         /// Its value.
         value: f64,
     },
-    /// Springs with a law of force.
+    /// Springs or stops with a law of force.
     #[error(
-        "the structure has springs with a law of force: motions between contacts are integrated exactly, which takes \
-        linear springs. Expected responses without [[spring]]"
+        "the structure has springs or stops with a law of force: the exact motion of a point is sought between linear \
+        pieces alone. Expected responses without laws, or [transient] with `from` of this point"
     )]
     Laws,
     /// The structure cannot be built again.

@@ -62,7 +62,7 @@ impl Search {
         if scene.responses.is_empty() {
             return Err(SettleError::NoResponses);
         }
-        if !scene.springs.is_empty() {
+        if scene.has_laws() {
             return Err(SettleError::Laws);
         }
         let rows = near::rows(directory)?;

@@ -23,7 +23,8 @@ pub fn model(structures: &[scene::Structure], contacts: &[scene::Contact]) -> Re
         first_nodes.push(nodes);
         nodes += elements.mesh().nodes().len();
     }
-    let contacts = contacts.iter().map(|of| contact(of, &dofs, &first_nodes)).collect::<Result<Vec<_>, _>>()?;
+    let stops = contacts.iter().filter(|of| of.hertz.is_none());
+    let contacts = stops.map(|of| contact(of, &dofs, &first_nodes)).collect::<Result<Vec<_>, _>>()?;
     let n = dofs.len();
     let sparse = |entries: &[Triplet]| sparse_from_triplets(n, n, entries);
     Ok(StructuralModel::new(sparse(&mass)?, sparse(&stiffness)?, dofs, contacts)?)

@@ -1,3 +1,7 @@
+mod hertz;
+
+pub use hertz::check as check_laws;
+
 use nlmodes_fem::Mesh;
 
 use crate::check::nodes::{beside, node_at};
@@ -52,8 +56,10 @@ fn sound(i: usize, raw: &RawContact, bodies: &[Body<'_>], diagnostics: &mut Diag
         Some(other) => Some(facing(i, raw, other, body, bodies, diagnostics)?),
         None => None,
     };
+    let hertz = hertz::law(i, raw, diagnostics);
     let node = node?;
     free.then_some(Contact {
+        hertz,
         node,
         at: mesh.nodes()[node],
         direction: raw.direction,

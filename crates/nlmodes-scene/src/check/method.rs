@@ -70,8 +70,9 @@ fn mass_rule(method: &RawMethod, kind: MethodKind, diagnostics: &mut Diagnostics
 /// Contact stiffness of the stops that have none of their own; only harmonic balance has such a default.
 fn stiffness(method: &RawMethod, contacts: usize, kind: MethodKind, diagnostics: &mut Diagnostics<'_>) -> Option<f64> {
     let path = "method.contact_stiffness_n_m";
-    let each_has_its_own =
-        contacts > 0 && (0..contacts).all(|i| diagnostics.has(&format!("contact.{i}.stiffness_n_m")));
+    let keys = ["stiffness_n_m", "stiffness_hertz_n_m15"];
+    let has_its_own = |i: usize| keys.iter().any(|key| diagnostics.has(&format!("contact.{i}.{key}")));
+    let each_has_its_own = contacts > 0 && (0..contacts).all(has_its_own);
     let with_mass = kind == MethodKind::Shooting && method.mass_redistribution == Some(MassRule::None);
     match kind {
         MethodKind::Shooting if with_mass && !diagnostics.has(path) && !each_has_its_own => {

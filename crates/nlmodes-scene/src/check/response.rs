@@ -38,7 +38,7 @@ pub fn check(
     }
     let mut responses: Vec<Response> =
         written.iter().enumerate().filter_map(|(i, r)| response(i, r, raw, places, diagnostics)).collect();
-    if written.is_empty() && raw.has_laws() {
+    if written.is_empty() && raw.has_laws() && raw.transient.is_none() {
         responses.push(Response::nonlinear_mode());
     }
     if !responses.is_empty() && responses.iter().all(|response| response.kind.is_forced()) {
@@ -234,16 +234,14 @@ fn has_load(
     false
 }
 
-/// A sweep in time takes linear springs, and loads that do not depend on the frequency.
+/// A sweep in time takes loads that do not depend on the frequency.
 fn sweeps(i: usize, raw: &RawResponse, scene: &RawAnalysis, diagnostics: &mut Diagnostics<'_>) -> bool {
     if !raw.response.sweep {
         return true;
     }
     let base = scene.base_motion.as_ref();
     let in_metres = base.is_some_and(|base| base.amplitude_m.is_some()) || raw.levels_m.is_some();
-    let (title, expected) = if scene.has_laws() {
-        ("springs with a law of force are not integrated in time", "expected no sweep beside [[spring]]")
-    } else if in_metres || base.is_some_and(|base| base.stop == Some(StopOfBase::Fixed)) {
+    let (title, expected) = if in_metres || base.is_some_and(|base| base.stop == Some(StopOfBase::Fixed)) {
         (
             "a base that is swept in time has an acceleration, and stops move with it",
             "expected no sweep beside a displacement of the base or fixed stops",

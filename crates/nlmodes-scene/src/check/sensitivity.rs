@@ -77,8 +77,8 @@ pub fn refuse(scene: &Scene, diagnostics: &mut Diagnostics<'_>) {
     } else if scene.method.kind == crate::scene::MethodKind::Shooting {
         let title = "gradients are computed of motions in harmonics, not by shooting";
         refused(title, "method.kind = \"ms-hbm\" computes the same mode", "expected another method", diagnostics);
-    } else if !scene.springs.is_empty() {
-        let title = "gradients are not computed beside springs and dampers with a law of force";
+    } else if scene.has_laws() {
+        let title = "gradients are not computed beside springs, dampers and stops with a law of force";
         refused(title, "[[structure.spring]] are linear", "expected a scene without [[spring]]", diagnostics);
     } else if scene.updating.is_some() {
         let title = "gradients are not computed of parameters that are fitted first";

@@ -19,7 +19,7 @@ pub fn check(raw: &RawAnalysis, base: &Path, places: &Places<'_>, diagnostics: &
         ("static_displacement", raw.static_displacement.is_some()),
     ];
     for (key, _) in loads.into_iter().filter(|(_, there)| *there) {
-        let diagnostic = Diagnostic::error(format!("`{key}` beside springs with a law of force"));
+        let diagnostic = Diagnostic::error(format!("`{key}` beside springs or stops with a law of force"));
         let help = "the displacement under the load would depend on the law, which is not computed: give the law about \
             the loaded place, and leave the load out";
         diagnostics.put(key, diagnostic.help(help), "expected [[spring]] or static loads");

@@ -70,13 +70,6 @@ fn alone(raw: &RawAnalysis, diagnostics: &mut Diagnostics<'_>) {
             [response] sweep = true sweeps along it";
         diagnostics.put("transient", diagnostic.help(help), "expected [transient] or [response]");
     }
-    if raw.has_laws() {
-        let diagnostic = Diagnostic::error("springs with a law of force in a motion in time");
-        let help = "between contacts the motion is propagated exactly, which takes linear springs: \
-            [[structure.spring]], or a [[contact]] with `stiffness_n_m` on each side; [response] computes their \
-            periodic motions";
-        diagnostics.put("spring", diagnostic.help(help), "expected no [[spring]] beside [transient]");
-    }
     let unused = [
         ("force", raw.force.as_ref().is_some_and(|forces| !forces.is_empty())),
         ("base_motion", raw.base_motion.is_some()),

@@ -5,8 +5,8 @@ use crate::assemble::{OpenStructure, StaticState};
 use crate::number;
 use crate::rule::counted;
 use crate::scene::{
-    AtBranchPoint, Contact, Continuation, ImposedModes, InternalResonance, MethodKind, Scene, Section, Segment, Start,
-    Structure, Updating,
+    AtBranchPoint, Contact, Continuation, Hertz, ImposedModes, InternalResonance, MethodKind, Scene, Section, Segment,
+    Start, Structure, Updating,
 };
 
 /// Structure, stops, method, branch or responses.
@@ -115,7 +115,14 @@ fn mesh(structure: &Structure) -> String {
 }
 
 fn stop(contact: &Contact, several: bool) -> String {
-    let law = law(contact.stiffness);
+    let law = match contact.hertz {
+        None => law(contact.stiffness),
+        Some(Hertz { stiffness, exponent, dissipation }) => {
+            let dissipation =
+                if dissipation > 0.0 { format!(", dissipation {} s/m", number(dissipation)) } else { String::new() };
+            format!("{} N times power {} of the approach{dissipation}", number(stiffness), number(exponent))
+        }
+    };
     if let Some(other) = contact.against {
         return format!(
             "structure {} at {} m before structure {} at {} m, {}, on the {} side, gap {} m, {law}",

@@ -1,22 +1,36 @@
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
 use nlmodes_modal::HarmonicBasis;
 use num_complex::Complex64;
 
-use super::{ForceLaw, PlacedLaw};
+use super::touches::{Rules, touch_spans, value};
+use super::{ForceLaw, LawForce, PlacedLaw};
 use crate::series::RealSeries;
 use crate::{HbmError, Symmetry};
-use std::sync::Arc;
 
 /// The laws over a period, by alternating between frequency and time: coefficients of the displacements to samples,
-/// their forces, and back. Exact for polynomials.
+/// their forces, and back. Exact for polynomials, and of stops to rounding: these are evaluated in their touches alone,
+/// whose ends are found.
 pub(crate) struct LawOperator {
     series: RealSeries,
     laws: Vec<Sampled>,
 }
 
+/// Instants at which a law is evaluated.
+enum Instants {
+    /// The same distance from each other.
+    Even(HarmonicBasis),
+    /// Of a stop, within its touches: spans of the phase, and phases and weights in them.
+    Touches { rules: Rules, spans: Vec<[f64; 2]>, nodes: Vec<[f64; 2]> },
+}
+
 /// One law with its samples.
 struct Sampled {
     law: Arc<dyn ForceLaw>,
-    basis: HarmonicBasis,
+    instants: Instants,
+    /// Complex amplitudes of the displacement, m.
+    z: Vec<Complex64>,
     /// Displacement and its derivative by the phase.
     v: Vec<f64>,
     dv: Vec<f64>,
@@ -27,6 +41,23 @@ struct Sampled {
     omega: f64,
 }
 
+/// What a stop with a law of force does over a period.
+pub(crate) struct StopMotion {
+    /// Share of the period in which it is touched, and how often.
+    pub closed_share: f64,
+    pub touches: usize,
+    /// Largest force, and mean force, N.
+    pub peak_force: f64,
+    pub mean_force: f64,
+    /// Fastest approach with which it is touched, m/s.
+    pub approach: f64,
+    /// Complex amplitudes of the displacement toward it, m.
+    pub displacement: Vec<Complex64>,
+}
+
+/// Sections by which the largest force of a touch is found.
+const SECTIONS: usize = 60;
+
 impl LawOperator {
     /// Of laws that are no polynomials `samples` a period are taken, at least as many as the derivatives need.
     pub fn new(laws: &[PlacedLaw], series: RealSeries, samples: usize) -> Result<Self, HbmError> {
@@ -34,17 +65,13 @@ impl LawOperator {
         let of = |placed: &PlacedLaw| {
             // Products of so many factors leave the kept harmonics without aliases.
             let count = placed.law.degree().map_or(samples.max(4 * h + 1), |degree| (degree.max(1) + 1) * h + 1);
-            let zero = vec![0.0; count];
-            Ok(Sampled {
-                law: placed.law.clone(),
-                basis: HarmonicBasis::new(h, count)?,
-                v: zero.clone(),
-                dv: zero.clone(),
-                force: zero.clone(),
-                stiffness: zero.clone(),
-                damping: zero,
-                omega: 0.0,
-            })
+            let instants = match placed.law.stop_gap() {
+                None => Instants::Even(HarmonicBasis::new(h, count)?),
+                Some(_) => Instants::Touches { rules: Rules::default(), spans: Vec::new(), nodes: Vec::new() },
+            };
+            let [v, dv, force, stiffness, damping] = [(); 5].map(|()| vec![0.0; count]);
+            let z = vec![Complex64::default(); h + 1];
+            Ok(Sampled { law: placed.law.clone(), instants, z, v, dv, force, stiffness, damping, omega: 0.0 })
         };
         Ok(Self { series, laws: laws.iter().map(of).collect::<Result<_, HbmError>>()? })
     }
@@ -77,11 +104,11 @@ impl LawOperator {
         let sampled = &mut self.laws[l];
         let mut averages = vec![Complex64::default(); 2 * series.n_harmonics + 1];
         let stiffness: Vec<f64> = sampled.stiffness.iter().map(|k| -k).collect();
-        sampled.basis.averages(&stiffness, &mut averages);
+        sampled.averages(&stiffness, &mut averages);
         let mut matrix = series.multiplication(&averages);
         if sampled.law.dissipates() && series.symmetry == Symmetry::None {
             let damping: Vec<f64> = sampled.damping.iter().map(|c| -c * sampled.omega).collect();
-            sampled.basis.averages(&damping, &mut averages);
+            sampled.averages(&damping, &mut averages);
             let by_rate = series.multiplication(&averages);
             // The rate has at coefficient m that of the displacement at another one, with a factor.
             for m in 0..width {
@@ -94,36 +121,112 @@ impl LawOperator {
 
     /// Mean energy that the laws store, J.
     pub fn mean_potential(&self) -> f64 {
-        let of = |s: &Sampled| s.v.iter().map(|v| s.law.potential(*v)).sum::<f64>() / s.v.len() as f64;
-        self.laws.iter().map(of).sum()
+        self.laws.iter().map(|s| s.mean(|j| s.law.potential(s.v[j]))).sum()
     }
 
     /// Mean power that the laws take out, W.
     pub fn dissipated_power(&self) -> f64 {
-        let of = |s: &Sampled| {
-            let power = s.force.iter().zip(&s.dv).map(|(force, dv)| force * dv * s.omega);
-            power.sum::<f64>() / s.v.len() as f64
-        };
+        let of = |s: &Sampled| s.mean(|j| s.force[j] * s.dv[j] * s.omega);
         self.laws.iter().filter(|s| s.law.dissipates()).map(of).sum()
+    }
+
+    /// What a law does that is a stop; `None` of any other law.
+    pub fn stop_motion(&self, l: usize) -> Option<StopMotion> {
+        let sampled = &self.laws[l];
+        let Instants::Touches { spans, .. } = &sampled.instants else { return None };
+        let approach = spans.iter().map(|[from, _]| sampled.omega * value(&sampled.z, *from).1);
+        Some(StopMotion {
+            closed_share: spans.iter().fold(0.0, |sum, [from, to]| sum + to - from) / TAU,
+            touches: spans.len(),
+            peak_force: spans.iter().map(|span| sampled.peak_force(*span)).fold(0.0, f64::max),
+            mean_force: sampled.mean(|j| sampled.force[j]),
+            approach: approach.fold(0.0, f64::max),
+            displacement: sampled.z.clone(),
+        })
     }
 }
 
 impl Sampled {
     fn solve(&mut self, series: RealSeries, x: &[f64], omega: f64) {
-        let mut z = vec![Complex64::default(); series.n_harmonics + 1];
-        series.to_complex(x, &mut z);
-        self.basis.synthesize_with_slope(&z, &mut self.v, &mut self.dv);
+        series.to_complex(x, &mut self.z);
         self.omega = omega;
-        for j in 0..self.v.len() {
-            let at = self.law.at(self.v[j], omega * self.dv[j]);
-            (self.force[j], self.stiffness[j], self.damping[j]) = (at.force, at.stiffness, at.damping);
+        match &mut self.instants {
+            Instants::Even(basis) => basis.synthesize_with_slope(&self.z, &mut self.v, &mut self.dv),
+            Instants::Touches { rules, spans, nodes } => {
+                *spans = touch_spans(self.law.as_ref(), &self.z, omega);
+                *nodes = rules.instants(spans, series.n_harmonics);
+                (self.v, self.dv) = nodes.iter().map(|[tau, _]| value(&self.z, *tau)).unzip();
+            }
         }
+        let at = |(v, dv): (&f64, &f64)| self.law.at(*v, omega * dv);
+        let forces: Vec<LawForce> = self.v.iter().zip(&self.dv).map(at).collect();
+        self.force = forces.iter().map(|at| at.force).collect();
+        self.stiffness = forces.iter().map(|at| at.stiffness).collect();
+        self.damping = forces.iter().map(|at| at.damping).collect();
     }
 
     fn analyze(&mut self, series: RealSeries, value: impl Fn(&Self, usize) -> f64, to: &mut [f64]) {
         let samples: Vec<f64> = (0..self.v.len()).map(|j| value(self, j)).collect();
         let mut z = vec![Complex64::default(); series.n_harmonics + 1];
-        self.basis.analyze(&samples, &mut z);
+        match &mut self.instants {
+            Instants::Even(basis) => basis.analyze(&samples, &mut z),
+            Instants::Touches { nodes, .. } => {
+                averages(nodes, &samples, &mut z);
+                z[1..].iter_mut().for_each(|z| *z *= 2.0);
+            }
+        }
         z.iter().enumerate().for_each(|(n, z)| series.put(*z, n, to));
+    }
+
+    /// Averages of the samples times `e^{−ikτ}` over a period.
+    fn averages(&mut self, samples: &[f64], to: &mut [Complex64]) {
+        match &mut self.instants {
+            Instants::Even(basis) => basis.averages(samples, to),
+            Instants::Touches { nodes, .. } => averages(nodes, samples, to),
+        }
+    }
+
+    /// Mean over a period of what vanishes where a stop is not touched.
+    fn mean(&self, value: impl Fn(usize) -> f64) -> f64 {
+        match &self.instants {
+            Instants::Even(_) => (0..self.v.len()).map(value).sum::<f64>() / self.v.len() as f64,
+            Instants::Touches { nodes, .. } => {
+                nodes.iter().enumerate().fold(0.0, |sum, (j, [_, weight])| sum + weight * value(j))
+            }
+        }
+    }
+
+    /// Largest force within a touch, N, by golden sections about the instant of the largest one.
+    fn peak_force(&self, [from, to]: [f64; 2]) -> f64 {
+        let Instants::Touches { nodes, .. } = &self.instants else { return 0.0 };
+        let force = |tau: f64| {
+            let (v, slope) = value(&self.z, tau);
+            self.law.at(v, self.omega * slope).force
+        };
+        let within: Vec<usize> = (0..nodes.len()).filter(|&j| nodes[j][0] >= from && nodes[j][0] <= to).collect();
+        let Some(k) = (0..within.len()).max_by(|a, b| self.force[within[*a]].total_cmp(&self.force[within[*b]])) else {
+            return 0.0;
+        };
+        let phase = |k: usize| within.get(k).map(|&j| nodes[j][0]);
+        let mut low = k.checked_sub(1).and_then(phase).unwrap_or(from);
+        let mut high = phase(k + 1).unwrap_or(to);
+        let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+        for _ in 0..SECTIONS {
+            let [a, b] = [high - golden * (high - low), low + golden * (high - low)];
+            if force(a) < force(b) { low = a } else { high = b }
+        }
+        force(0.5 * (low + high)).max(self.force[within[k]])
+    }
+}
+
+/// Averages over a period of samples at these phases, with their weights, times `e^{−ikτ}`.
+fn averages(nodes: &[[f64; 2]], samples: &[f64], to: &mut [Complex64]) {
+    to.fill(Complex64::default());
+    for ([tau, weight], sample) in nodes.iter().zip(samples) {
+        let (turn, mut turned) = (Complex64::cis(-tau), Complex64::from(weight * sample));
+        for to in to.iter_mut() {
+            *to += turned;
+            turned *= turn;
+        }
     }
 }

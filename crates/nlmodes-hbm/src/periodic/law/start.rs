@@ -2,6 +2,7 @@ use std::f64::consts::TAU;
 
 use nlmodes_linalg::{DenseLu, Mat, max_norm, symmetric_eigen};
 
+use super::PlacedLaw;
 use crate::periodic::structure::ModalStructure;
 use crate::{HbmError, ModalGrazing, ModeAtRest, modal_lift_off};
 
@@ -25,7 +26,8 @@ const RIGID: f64 = 1e-12;
 /// Where a nonlinear mode of a structure with laws begins.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum ModeStart {
-    /// So small that the laws hardly change its frequency, and at most half of the amplitude that touches a stop.
+    /// Where a stop is first touched, if nothing but stops is nonlinear; else so small that the other laws hardly
+    /// change its frequency, and at most half of the amplitude that touches a stop.
     #[default]
     Linear,
     /// At this averaged kinetic energy, J.
@@ -64,14 +66,21 @@ pub fn modal_start(structure: &ModalStructure, mode: usize, start: ModeStart) ->
         Err(error) => return Err(error),
     };
     let least = touching.as_ref().map_or(f64::INFINITY, |touching| touching.amplitude.abs());
+    let (first, _) = first_stop(structure, &shape);
+    let smooth: Vec<PlacedLaw> = structure.laws().iter().filter(|law| !stands_back(law)).cloned().collect();
     let amplitude = match start {
         ModeStart::Energy(energy) => 2.0 * energy.sqrt() / omega,
         ModeStart::Amplitude(of_law) => of_law / first_law(structure, &shape).ok_or(HbmError::LawAtNode { mode })?,
-        ModeStart::Linear => amplitude_within(structure, &shape, omega_squared, BARELY_NONLINEAR).min(0.5 * least),
+        ModeStart::Linear if smooth.is_empty() && least.min(first.abs()).is_finite() => least.min(first.abs()),
+        ModeStart::Linear => {
+            let largest = amplitude_within(&smooth, &shape, omega_squared, BARELY_NONLINEAR);
+            largest.min(0.5 * least.min(first.abs()))
+        }
     };
+    // Where the displacement at the phase zero is toward the stop that is touched first.
+    let amplitude = if first.abs() <= least && first < 0.0 { -amplitude } else { amplitude };
     // Lengths of the problem are those at which laws or stops matter, not those at which the mode begins.
-    let of_laws = displacement(structure, &shape, amplitude_within(structure, &shape, omega_squared, NONLINEAR));
-    let length = touching.as_ref().map_or(of_laws, |touching| touching.length);
+    let length = touching.as_ref().map_or_else(|| length(structure, &shape, omega_squared), |found| found.length);
     let contact = touching.as_ref().map_or(0, |touching| touching.contact);
     let padded = |eta: &[f64]| eta.iter().copied().chain(std::iter::repeat(0.0)).take(structure.n_modes()).collect();
     let damping = |j: usize, k: usize| shape[j] * structure.damping().entry(j, k) * shape[k];
@@ -90,26 +99,54 @@ pub fn modal_start(structure: &ModalStructure, mode: usize, start: ModeStart) ->
     })
 }
 
+/// Whether a law is a stop with a clearance.
+fn stands_back(law: &PlacedLaw) -> bool {
+    law.law.stop_gap().is_some_and(|gap| gap > 0.0)
+}
+
+/// Amplitude at which a mode first touches a law that is a stop with a clearance, negative where that is at the phase
+/// 1/2, and the clearance, m; infinite where it touches none.
+fn first_stop(structure: &ModalStructure, shape: &[f64]) -> (f64, f64) {
+    let of = |law: &PlacedLaw| {
+        let gap = law.law.stop_gap().filter(|gap| *gap > 0.0)?;
+        let terms = shape.iter().zip(&law.modes).map(|(s, r)| s * r);
+        let (row, size) = (terms.clone().sum::<f64>(), terms.map(f64::abs).sum::<f64>());
+        (row.abs() > NODE * size).then_some((gap / row, gap))
+    };
+    let all = structure.laws().iter().filter_map(of);
+    all.min_by(|a, b| a.0.abs().total_cmp(&b.0.abs())).unwrap_or((f64::INFINITY, f64::INFINITY))
+}
+
 /// Displacement of the first law by a mode of unit amplitude, 1/√kg; none where it is at a node of the mode.
 fn first_law(structure: &ModalStructure, shape: &[f64]) -> Option<f64> {
-    let moved = |law: &super::PlacedLaw| shape.iter().zip(&law.modes).map(|(s, r)| s * r).sum::<f64>().abs();
+    let moved = |law: &PlacedLaw| shape.iter().zip(&law.modes).map(|(s, r)| s * r).sum::<f64>().abs();
     let all: Vec<f64> = structure.laws().iter().map(moved).collect();
     let size = shape.iter().zip(structure.laws().first()?.modes.iter()).map(|(s, r)| (s * r).abs()).sum::<f64>();
     all.first().copied().filter(|first| *first > NODE * size)
 }
 
-/// Displacement of a law, m, at which laws change the frequency of a mode by a tenth.
+/// Displacement of a law, m, at which laws change the frequency of a mode by a tenth, or the clearance of the stop
+/// that is touched first if that is less.
 ///
 /// # Errors
 /// As [`modal_start`].
 pub fn law_length(structure: &ModalStructure, mode: usize) -> Result<f64, HbmError> {
     let Tangent { omega_squared, shape } = tangent_mode(structure, mode)?;
-    Ok(displacement(structure, &shape, amplitude_within(structure, &shape, omega_squared, NONLINEAR)))
+    Ok(length(structure, &shape, omega_squared))
+}
+
+fn length(structure: &ModalStructure, shape: &[f64], omega_squared: f64) -> f64 {
+    let (_, gap) = first_stop(structure, shape);
+    let smooth: Vec<PlacedLaw> = structure.laws().iter().filter(|law| !stands_back(law)).cloned().collect();
+    if smooth.is_empty() && gap.is_finite() {
+        return gap;
+    }
+    displacement(structure, shape, amplitude_within(structure.laws(), shape, omega_squared, NONLINEAR)).min(gap)
 }
 
 /// Largest displacement of a law, m, by a mode of this amplitude.
 fn displacement(structure: &ModalStructure, shape: &[f64], amplitude: f64) -> f64 {
-    let moved = |law: &super::PlacedLaw| shape.iter().zip(&law.modes).map(|(s, r)| s * r).sum::<f64>() * amplitude;
+    let moved = |law: &PlacedLaw| shape.iter().zip(&law.modes).map(|(s, r)| s * r).sum::<f64>() * amplitude;
     max_norm(structure.laws().iter().map(moved))
 }
 
@@ -142,12 +179,11 @@ fn tangent_mode(structure: &ModalStructure, mode: usize) -> Result<Tangent, HbmE
 
 /// The largest modal amplitude, of those that halve one metre at a law, at which the laws change the squared frequency
 /// of a mode by at most this share: by their forces over a period, `(2/a) ⟨r F(a r cos τ) cos τ⟩` beside the tangent.
-fn amplitude_within(structure: &ModalStructure, shape: &[f64], omega_squared: f64, share: f64) -> f64 {
-    let laws = structure.laws();
+fn amplitude_within(laws: &[PlacedLaw], shape: &[f64], omega_squared: f64, share: f64) -> f64 {
     let rows: Vec<f64> = laws.iter().map(|law| shape.iter().zip(&law.modes).map(|(s, r)| s * r).sum()).collect();
     let omega = omega_squared.sqrt();
     let change = |amplitude: f64| -> f64 {
-        let of = |(placed, row): (&super::PlacedLaw, &f64)| {
+        let of = |(placed, row): (&PlacedLaw, &f64)| {
             let tangent = placed.law.at(0.0, 0.0);
             let sample = |j: usize| {
                 let tau = TAU * j as f64 / SAMPLES as f64;
