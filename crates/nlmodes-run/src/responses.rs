@@ -42,7 +42,7 @@ use crate::updating::updated;
 use crate::{Event, Failure, Observer, Over, RunError, links, no_contact};
 pub use curves::ComputedResponse;
 use curves::{Job, detached, follow, jobs};
-pub(crate) use exact::structure;
+pub(crate) use exact::{push_laws, structure};
 pub use levels::Level;
 pub(crate) use model::Model;
 use overlaid::Beside;

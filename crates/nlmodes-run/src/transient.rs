@@ -107,7 +107,7 @@ fn begin(file: &SceneFile) -> Result<Begun, RunError> {
         let expected = format!("expected at most {} in all: a lower rate, or a shorter motion", number(MOST_SAMPLES));
         return Err(file.error_at("transient.sample_rate_hz", &title, &expected, &[]).into());
     }
-    let numbers = samples * (2 * prepared.observed.len() + prepared.structure.n_contacts()) as f64;
+    let numbers = samples * (2 * prepared.observed.len() + model.contacts.len()) as f64;
     if numbers > MOST_NUMBERS {
         let title = format!("{} numbers in the histories of all places and contacts", number(numbers.ceil()));
         let expected = format!("expected at most {}: a lower rate, or a shorter motion", number(MOST_NUMBERS));
@@ -134,7 +134,7 @@ fn move_on(
     observer: &dyn Observer,
 ) -> Result<(Histories, Option<String>), TimestepError> {
     let moved: Vec<f64> = prepared.observed.iter().map(|of| of.moved).collect();
-    let contacts = prepared.structure.n_contacts();
+    let contacts = prepared.structure.n_contacts() + prepared.structure.n_law_stops();
     let mut histories = Histories::new(&moved, contacts, transient.duration, rate);
     let mut touches: Vec<Touch> = Vec::new();
     let signals: Vec<&dyn Signal> = prepared.signals.iter().map(AsRef::as_ref).collect();

@@ -45,6 +45,17 @@ pub enum TimestepError {
         /// The quantity.
         what: &'static str,
     },
+    /// A law of force that is not fulfilled within a step, however short.
+    #[error(
+        "the forces of the laws are not found at {time:e} s with steps of {step:e} s: a law jumps there, or falls too \
+        fast"
+    )]
+    LawStep {
+        /// Time, s.
+        time: f64,
+        /// Length of the step, s.
+        step: f64,
+    },
     /// Too many contact changes for a trajectory.
     #[error("more than {most} changes of contact up to {time:e} s")]
     TooManyContacts {

@@ -3,6 +3,7 @@
 
 mod flow;
 mod input;
+mod laws;
 mod motion;
 mod series;
 mod shooting;
@@ -11,10 +12,12 @@ mod trajectory;
 mod transient;
 
 pub use input::{DEGREE, Signal, SignalPiece};
+pub use laws::{LawSettings, TimeLaw};
 pub use motion::ForcedMotion;
 pub use transient::{Along, Blow, Stretch, Touch, TransientSettings};
 
 use input::{Input, Observed};
+use laws::LawAt;
 
 use nlmodes_contact::LcpMatrix;
 use nlmodes_linalg::Mat;
@@ -45,6 +48,8 @@ pub struct ForcedStructure {
     steady: Vec<f64>,
     inputs: Vec<Input>,
     observed: Vec<Observed>,
+    laws: Vec<LawAt>,
+    law_settings: LawSettings,
 }
 
 /// One harmonic of the load.
@@ -100,6 +105,8 @@ impl ForcedStructure {
             steady: Vec::new(),
             inputs: Vec::new(),
             observed: Vec::new(),
+            laws: Vec::new(),
+            law_settings: LawSettings::default(),
         })
     }
 

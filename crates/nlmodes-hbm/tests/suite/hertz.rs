@@ -99,7 +99,7 @@ fn a_mass_before_a_hertz_stop_has_the_period_of_a_quadrature_in_two_systems_of_u
         assert!((contact.peak / (right * length) - 1.0).abs() < 1e-6, "{contact:?} {right}");
         let force = stiffness * (right - gap).powf(1.5) * mass * length;
         assert!((contact.peak_force / force - 1.0).abs() < 1e-5, "{contact:?} {force}");
-        // At that instant a higher derivative jumps: what harmonics leave out of the velocity falls with their power 5/2.
+        // At that instant a derivative jumps: what harmonics leave out of the velocity falls with their power 5/2.
         let approach = (2.0 * energy - gap * gap).sqrt() * length;
         assert!((contact.approach / approach - 1.0).abs() < 1e-4, "{contact:?} {approach}");
         // The mean force is that of the spring.

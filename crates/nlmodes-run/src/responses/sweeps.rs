@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 use std::time::{Duration, Instant};
 
+use nlmodes::hbm::ResponseRow;
 use nlmodes::report::{LineKind, ResponseLine};
 use nlmodes::timestep::{ForcedStructure, Signal, TimestepError, TransientSettings};
 use nlmodes_scene::scene::{Response, ResponseKind};
@@ -10,7 +11,7 @@ use nlmodes_scene::{SceneFile, number};
 use num_complex::Complex64;
 use serde_json::{Value, json};
 
-use super::exact::structure;
+use super::exact::{push_laws, structure};
 use super::model::Model;
 use crate::course::Cosine;
 use crate::{Event, Observer, RunError, chain};
@@ -135,8 +136,10 @@ impl Driven {
         let first = model.contacts.first().or(model.force_places.first()).cloned().unwrap_or_default();
         let rows = model.response().rows(std::slice::from_ref(&first)).map_err(|error| failed(&error))?;
         let Some(row) = rows.first() else { return Err(RunError::NoScene) };
-        let (mut signals, mut residuals) = (Vec::new(), Vec::new());
-        for (term, residual) in model.response().terms().iter().zip(&row.loads) {
+        let mut signals = Vec::new();
+        // Of each load its term, and which part of that it is.
+        let mut inputs: Vec<(usize, fn(&Complex64) -> f64)> = Vec::new();
+        for (number, term) in model.response().terms().iter().enumerate() {
             // Re(p e^{inφ}) = Re p cos nφ − Im p cos(nφ − π/2).
             let parts: [Part; 2] = [(|p| p.re, 0.0), (|p| -p.im, -0.5 * PI)];
             for (part, phase) in parts {
@@ -146,13 +149,17 @@ impl Driven {
                     continue;
                 }
                 structure.push_input(&modal, &gaps).map_err(|error| failed(&error))?;
-                residuals.push(part(residual));
+                inputs.push((number, part));
                 let n = term.harmonic as f64;
                 let (start, end) = (0.0, f64::INFINITY);
                 signals.push(Cosine { amplitude: sweep.level, phase, omega: n * omega, rate: n * rate, start, end });
             }
         }
-        structure.push_observed(&row.modes[..m], &row.contacts[..c], &residuals).map_err(|error| failed(&error))?;
+        let moved =
+            |row: &ResponseRow| inputs.iter().map(|(number, part)| part(&row.loads[*number])).collect::<Vec<f64>>();
+        push_laws(file, model, &mut structure, &|_, row| moved(row))?;
+        let by_inputs = [moved(row), row.contacts[c..].to_vec()].concat();
+        structure.push_observed(&row.modes[..m], &row.contacts[..c], &by_inputs).map_err(|error| failed(&error))?;
         Ok(Self { structure, signals, omega, rate })
     }
 

@@ -1,5 +1,6 @@
 //! A structure with its loads, from a scene, ready to move.
 
+use nlmodes::hbm::ResponseRow;
 use nlmodes::response::Weights;
 use nlmodes::timestep::{Blow, ForcedStructure, Signal};
 use nlmodes_scene::SceneFile;
@@ -8,7 +9,7 @@ use nlmodes_scene::scene::{Course, LoadOn, Place, Transient};
 
 use super::noise;
 use crate::course::{Cosine, Lines, chirp, half_sine};
-use crate::responses::{Model, Reduced, base_force, structure};
+use crate::responses::{Model, Reduced, base_force, push_laws, structure};
 use crate::{RunError, chain, two_columns};
 
 /// A structure with its loads.
@@ -77,6 +78,8 @@ impl Prepared {
             prepared.push_signal(file, &path, load, transient.duration)?;
             residuals.push(found.residual);
         }
+        let moved = |place: &Weights, _: &ResponseRow| by_loads(&residuals, place);
+        push_laws(file, model, &mut prepared.structure, &moved)?;
         prepared.observe(file, transient, (model, parts), (driven, &residuals))?;
         Ok(prepared)
     }
@@ -150,7 +153,8 @@ impl Prepared {
         let (m, c) = (self.structure.n_modes(), self.structure.n_contacts());
         for ((name, weights), row) in all.into_iter().zip(rows) {
             let at = |of: &[f64]| weights.iter().map(|&(dof, w)| of[dof] * w).sum::<f64>();
-            let inputs: Vec<f64> = residuals.iter().map(|residual| at(residual)).collect();
+            let mut inputs = by_loads(residuals, &weights);
+            inputs.extend(&row.contacts[c..]);
             self.structure
                 .push_observed(&row.modes[..m], &row.contacts[..c], &inputs)
                 .map_err(|error| failed(&error))?;
@@ -159,6 +163,11 @@ impl Prepared {
         }
         Ok(())
     }
+}
+
+/// What a unit of each load moves a place beyond the modes, m.
+fn by_loads(residuals: &[Vec<f64>], place: &Weights) -> Vec<f64> {
+    residuals.iter().map(|residual| place.iter().map(|&(dof, w)| residual[dof] * w).sum()).collect()
 }
 
 fn weights(file: &SceneFile, parts: &Reduced, path: &str, place: &Place) -> Result<Weights, RunError> {

@@ -33,6 +33,8 @@ pub(super) struct Flow {
     /// Forces and observed displacements along a step.
     pub forces_along: Vec<Series>,
     pub observed: Vec<Series>,
+    /// Displacements of the laws along a step.
+    pub laws: Vec<Series>,
 }
 
 impl ForcedStructure {
@@ -145,9 +147,10 @@ impl ForcedStructure {
         let guards: Vec<Vec<f64>> = (0..closed.len()).map(guard).collect();
         let along = |rows: &[Vec<f64>]| rows.iter().map(|row| Series::new(row, &matrix, step)).collect();
         let observed: Vec<Vec<f64>> = self.observed.iter().map(|of| self.observed_row(of, &forces)).collect();
+        let places: Vec<Vec<f64>> = self.laws.iter().map(|at| self.observed_row(&at.place, &forces)).collect();
         let (watched, forces_along, observed) = (along(&guards), along(&forces), along(&observed));
-        let closed = closed.to_vec();
-        Ok(Flow { closed, step, matrix, over_step, guards, watched, forces, free, gaps, forces_along, observed })
+        let (closed, laws) = (closed.to_vec(), along(&places));
+        Ok(Flow { closed, step, matrix, over_step, guards, watched, forces, free, gaps, forces_along, observed, laws })
     }
 
     /// An observed displacement as a row acting on `w`.

@@ -58,7 +58,8 @@ impl ForcedStructure {
         fits("modal forces of the load", self.n_modes(), modal)?;
         fits("gaps of the load", self.n_contacts(), gaps)?;
         self.inputs.push(Input { modal: modal.to_vec(), gaps: gaps.to_vec() });
-        self.observed.iter_mut().for_each(|observed| observed.inputs.push(0.0));
+        let places = self.laws.iter_mut().map(|at| &mut at.place);
+        self.observed.iter_mut().chain(places).for_each(|observed| observed.inputs.push(0.0));
         Ok(())
     }
 

@@ -42,6 +42,13 @@ impl Series {
         Polynomial { a, size: size(&self.rows[0], w) }
     }
 
+    /// The polynomial from a `w` on of which one entry is one and all others are zero.
+    pub fn column(&self, entry: usize) -> Polynomial {
+        let mut a = [0.0; ORDER + 1];
+        self.rows.iter().zip(&mut a).for_each(|(row, a)| *a = row[entry]);
+        Polynomial { a, size: a[0].abs() }
+    }
+
     /// The row.
     pub fn row(&self) -> &[f64] {
         &self.rows[0]

@@ -2,6 +2,7 @@ use std::f64::consts::TAU;
 
 use super::flow::Flow;
 use super::input::fits;
+use super::laws::LawSteps;
 use super::series::{ORDER, Polynomial, Series};
 use super::trajectory::{Piece, Propagator, Running};
 use super::{ForcedStructure, Signal};
@@ -29,7 +30,10 @@ pub struct TransientSettings<'a> {
 
 /// Part of a motion, in which no contact changes.
 pub struct Stretch<'a> {
+    structure: &'a ForcedStructure,
     piece: &'a Piece,
+    /// Which stops with a law of force act.
+    acting: &'a [bool],
 }
 
 /// A quantity along a stretch.
@@ -72,9 +76,12 @@ impl Stretch<'_> {
         self.piece.length
     }
 
-    /// Whether a contact is closed.
+    /// Whether a contact is closed, or a stop with a law of force acts, which are numbered behind the contacts.
     pub fn is_closed(&self, contact: usize) -> bool {
-        self.flow().closed[contact]
+        match contact.checked_sub(self.flow().closed.len()) {
+            None => self.flow().closed[contact],
+            Some(stop) => self.acting[stop],
+        }
     }
 
     /// An observed displacement, m.
@@ -90,19 +97,32 @@ impl Stretch<'_> {
 
     /// A contact force, N; zero while the contact is open.
     pub fn force(&self, contact: usize) -> Along {
-        self.along(self.flow().forces_along[contact].from(&self.piece.w))
+        self.along(match self.law_of(contact) {
+            None => self.flow().forces_along[contact].from(&self.piece.w),
+            Some((law, _)) => self.structure.law_force(law, self.flow(), &self.piece.w),
+        })
+    }
+
+    /// The law of a stop behind the contacts, and its clearance, m.
+    fn law_of(&self, contact: usize) -> Option<(usize, f64)> {
+        self.structure.law_stops().nth(contact.checked_sub(self.flow().closed.len())?)
     }
 
     /// The force of a contact at the beginning, and by how much it would change in the whole stretch at its rate there,
     /// N: cheaper than [`force`](Self::force).
     pub fn force_roughly(&self, contact: usize) -> [f64; 2] {
+        if self.law_of(contact).is_some() {
+            let force = self.force(contact);
+            let [value, slope] = force.at(0.0);
+            return [value, slope * self.piece.length];
+        }
         self.roughly(&self.flow().forces_along[contact])
     }
 
     /// Integral of the force of a contact over the stretch, N s.
     pub fn impulse(&self, contact: usize) -> f64 {
         let (flow, w) = (self.flow(), &self.piece.w);
-        match self.piece.length == flow.step {
+        match self.piece.length == flow.step && self.law_of(contact).is_none() {
             true => flow.step * flow.forces_along[contact].integral(w),
             false => self.force(contact).integral(),
         }
@@ -113,9 +133,12 @@ impl Stretch<'_> {
         [value, slope * self.piece.length / self.flow().step]
     }
 
-    /// The gap of an open contact, m.
-    fn guard(&self, contact: usize) -> Along {
-        self.along(self.flow().watched[contact].from(&self.piece.w))
+    /// The rate at which the gap of an open contact falls at the end of the stretch, m/s.
+    fn approach(&self, contact: usize) -> f64 {
+        match self.law_of(contact) {
+            None => -self.along(self.flow().watched[contact].from(&self.piece.w)).at(self.length())[1],
+            Some((law, _)) => self.along(self.flow().laws[law].from(&self.piece.w)).at(self.length())[1],
+        }
     }
 
     fn along(&self, polynomial: Polynomial) -> Along {
@@ -130,7 +153,7 @@ impl Stretch<'_> {
 /// One touch of a contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Touch {
-    /// The contact, from 0.
+    /// The contact, from 0; behind the contacts the stops with a law of force.
     pub contact: usize,
     /// When it closes, s.
     pub instant: f64,
@@ -157,8 +180,8 @@ impl Touches {
                 if let Some(touch) = self.current[contact].take() {
                     touched(touch);
                 }
-                if switched {
-                    self.approach[contact] = -stretch.guard(contact).at(stretch.length())[1];
+                if switched || stretch.law_of(contact).is_some() {
+                    self.approach[contact] = stretch.approach(contact);
                 }
                 continue;
             }
@@ -173,15 +196,16 @@ impl Touches {
 
 impl ForcedStructure {
     /// The motion from a state (modal coordinates, their rates, displacements of the dissipative stops) under loads of
-    /// any course in time: exact between contact instants. `observe` is given each stretch and whether a contact
-    /// changes at its end, and says whether to go on; `touched` each touch when it is over. Periodic loads are left
-    /// out.
+    /// any course in time: exact between contact instants, but for the order of the steps in which
+    /// [laws](Self::push_law) are fulfilled. `observe` is given each stretch and whether a contact changes at its end,
+    /// and says whether to go on; `touched` each touch when it is over. Periodic loads are left out.
     ///
     /// Returns the state at the end.
     ///
     /// # Errors
     /// [`TimestepError::Dimension`], [`TimestepError::NotPositive`], [`TimestepError::NotFinite`],
-    /// [`TimestepError::Chatter`], [`TimestepError::Ended`], or errors of a new set of closed contacts.
+    /// [`TimestepError::Chatter`], [`TimestepError::LawStep`], [`TimestepError::Ended`], or errors of a new set of
+    /// closed contacts.
     pub fn transient(
         &self,
         state: &[f64],
@@ -196,17 +220,23 @@ impl ForcedStructure {
         let mut w = self.augmented(&self.in_units(state, self.rate().recip()), 0.0, 0.0);
         driven.renew(0.0, &mut w);
         let mut running = propagator.start(w, 0.0)?;
-        let n = self.n_contacts();
+        let n = self.n_contacts() + self.n_law_stops();
+        let mut laws = LawSteps::new(self);
+        laws.begin(&running);
         let mut touches = Touches { current: vec![None; n], approach: vec![0.0; n] };
         while running.t < duration {
             driven.go_on_early(&mut running);
-            let until = driven.until().min(duration);
+            let mut until = driven.until().min(duration);
+            if !self.laws.is_empty() {
+                until = laws.go(&mut running, until)?;
+            }
             let Some(piece) = propagator.advance(&mut running, until)? else {
                 driven.go_on(&mut running);
                 continue;
             };
-            let switched = piece.flow.closed != running.flow.closed;
-            let stretch = Stretch { piece: &piece };
+            let acting = laws.acting.clone();
+            let switched = laws.end(running.t) || piece.flow.closed != running.flow.closed;
+            let stretch = Stretch { structure: self, piece: &piece, acting: &acting };
             touches.take(&stretch, switched, touched);
             if !observe(&stretch, switched) {
                 return Err(TimestepError::Ended);
@@ -222,7 +252,7 @@ impl ForcedStructure {
             return Err(TimestepError::NotPositive { what: "duration (s)", value: settings.duration });
         }
         fits("entries of the state", self.n_states(), state)?;
-        let (expected, found) = (self.inputs.len(), settings.signals.len());
+        let (expected, found) = (self.inputs.len() - self.laws.len(), settings.signals.len());
         if expected != found {
             return Err(TimestepError::Dimension { what: "courses of loads", expected, found });
         }

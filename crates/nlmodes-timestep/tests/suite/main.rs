@@ -6,6 +6,7 @@ mod bouncing;
 mod contact_figures;
 mod forced;
 mod invariants;
+mod laws;
 mod mode_shooting;
 mod rigid_bodies;
 mod stability;
