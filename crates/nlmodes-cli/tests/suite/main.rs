@@ -7,6 +7,7 @@ mod contact_solvers;
 mod effort;
 mod elastic_stops;
 mod gradients;
+mod hertz;
 mod hostile_files;
 mod imposed_modes;
 mod interrupted;
