@@ -434,14 +434,13 @@ impl Monomials {
         for j in 0..S {
             let mut polynomial = [0.0; S];
             polynomial[0] = 1.0;
-            let mut degree = 0;
-            for (_, node) in NODES.iter().enumerate().filter(|(i, _)| *i != j) {
+            let others = NODES.iter().enumerate().filter(|(i, _)| *i != j).map(|(_, node)| node);
+            for (degree, node) in others.enumerate() {
                 let divisor = NODES[j] - node;
                 for k in (0..=degree).rev() {
                     polynomial[k + 1] += polynomial[k] / divisor;
                     polynomial[k] *= -node / divisor;
                 }
-                degree += 1;
             }
             polynomial.iter().enumerate().for_each(|(k, p)| all[k][j] = *p);
         }
