@@ -10,6 +10,7 @@ use nlmodes_linalg::DenseLu;
 use num_complex::Complex64;
 
 use crate::curve::{Solved, curve_end, energy_bound, frequency_bound, lost};
+use crate::exact::exact_stability;
 use crate::losses::name_lost_stability;
 use crate::{ResponseCurve, ResponseError, ResponsePoint, ResponseSettings, Stability};
 
@@ -75,6 +76,7 @@ impl Curve<'_> {
         let points = self.locate_losses(branch, points)?;
         let mut points = self.locate_peaks(points)?;
         name_lost_stability(&mut points);
+        self.decide(&mut points);
         let end = match unsolved(&points) {
             Some(why) => lost(why),
             None => self.end(&branch.stop, omega),
@@ -86,6 +88,25 @@ impl Curve<'_> {
             None => Vec::new(),
         };
         Ok(ResponseCurve { points, end, at_levels, finer })
+    }
+
+    /// Stability by the exact motions next to the points in contact at which the estimate from the instants in
+    /// harmonics is not certain. Where there is none, an estimate that hardly decides is left open. What is left when
+    /// the time for it is used up keeps its estimate.
+    fn decide(&mut self, points: &mut [ResponsePoint]) {
+        let (system, settings) = (&self.system, self.settings);
+        let mut budget = settings.budget();
+        let touches = |point: &ResponsePoint| point.motion.contacts.iter().any(|contact| contact.closed_share > 0.0);
+        for point in points.iter_mut().filter(|point| touches(point)) {
+            let Some(estimate) = point.stability.filter(|s| !s.is_certain(settings.multiplier_margin)) else {
+                continue;
+            };
+            let found = budget.spend(&settings.watch, |_| {
+                exact_stability(system.structure(), system.load(), &point.motion, settings.same_motion)
+            });
+            let stable = estimate.stable.filter(|_| estimate.is_certain(settings.verdict_margin));
+            point.stability = Some(found.unwrap_or(Stability { stable, ..estimate }));
+        }
     }
 
     /// Why there are no further points; `omega` as in [`follow`](Self::follow).

@@ -49,6 +49,7 @@ mod base_motion;
 mod curve;
 mod damping;
 mod error;
+mod exact;
 mod finer;
 mod follow;
 mod history;

@@ -31,6 +31,14 @@ pub struct ResponseSettings {
     /// Wall time for the multipliers of a curve, s: of points after it none are computed, which the end of the curve
     /// tells. Default ten times that of the curve, and twenty seconds at least.
     pub stability_budget_s: Option<f64>,
+    /// Error of the largest multiplier, over its distance from the unit circle and over itself, from which on the exact
+    /// motion next to a point is sought, whose multipliers then decide. Default 1 %.
+    pub multiplier_margin: f64,
+    /// The same up to which the estimate decides where no exact motion is found. Default a third.
+    pub verdict_margin: f64,
+    /// Largest difference of the fundamentals of the gaps up to which an exact motion is that of the point, over the
+    /// fundamental. Default 1 %.
+    pub same_motion: f64,
     /// Which points of a curve are solved again with more harmonics. Default none.
     pub finer: Option<FinerSettings>,
     /// Most points of a curve. Default 2000.
@@ -62,6 +70,9 @@ impl ResponseSettings {
             from_upper_end: false,
             stability: true,
             stability_budget_s: None,
+            multiplier_margin: 1e-2,
+            verdict_margin: 1.0 / 3.0,
+            same_motion: 1e-2,
             finer: None,
             max_points: 2000,
             max_branches: 20,

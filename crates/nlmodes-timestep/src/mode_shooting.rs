@@ -162,6 +162,16 @@ impl ModeShooting {
         })
     }
 
+    /// Real amplitude of the fundamental of the first contact in the motion with the unknowns `x`, m.
+    ///
+    /// # Errors
+    /// Errors of [`ContactDynamics::propagate`](crate::ContactDynamics::propagate).
+    pub fn fundamental(&mut self, x: &[f64]) -> Result<f64, TimestepError> {
+        let motion = self.shooting.motion(x)?;
+        let full = self.structure.expand(&harmonic(&motion.trajectory.harmonics(1), 1));
+        Ok(full[self.structure.full().contacts()[0].dof])
+    }
+
     /// Number of contacts.
     pub fn n_contacts(&self) -> usize {
         self.structure.full().contacts().len()

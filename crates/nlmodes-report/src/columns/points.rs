@@ -36,7 +36,7 @@ row! {
             "internal resonance in which the motion takes part, `n:mode k`: harmonic n drives linear mode k";
         stable: Option<bool>, "", "whether small disturbances stay small; empty where it was not found out";
         largest_multiplier: Option<f64>, "",
-            "magnitude of the largest Floquet multiplier; empty where it was not found out";
+            "magnitude of the largest Floquet multiplier; empty where it was not found out, or its error is as large";
         multiplier_angle_deg: Option<f64>, "°", "its angle, 0 to 180; empty where the motion is stable";
         harmonics: usize, "", "number of harmonics of this point";
         error_estimate: Option<f64>, "",
@@ -71,8 +71,8 @@ impl BranchRow {
             event: point.events.clone(),
             resonance: point.resonance,
             stable: point.stability.and_then(|s| s.stable),
-            largest_multiplier: point.stability.map(|s| s.magnitude()),
-            multiplier_angle_deg: point.stability.and_then(|s| s.angle_deg()),
+            largest_multiplier: point.stability.and_then(|s| s.known_magnitude()),
+            multiplier_angle_deg: point.stability.and_then(|s| s.known_magnitude().and(s.angle_deg())),
             harmonics: point.coefficients.n_harmonics(),
             error_estimate: point.error_estimate,
             impulse_ns: point.impulse(),
@@ -177,7 +177,7 @@ impl ResponseRow {
             dissipated_power_w: known(driven.map(|driven| driven.dissipated_power)),
             damping_ratio: known(driven.and_then(|driven| driven.damping_ratio)),
             pbmif: known(driven.and_then(|driven| driven.indicator)),
-            multiplier_error: known(point.stability.and_then(|s| s.error)),
+            multiplier_error: known(point.stability.and_then(|s| s.known_magnitude().and(s.error))),
             mode_distance: known(driven.and_then(|driven| driven.mode_distance)),
         }
     }

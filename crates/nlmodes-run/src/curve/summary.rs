@@ -109,7 +109,7 @@ impl Stability {
             unstable_points,
             unknown_points,
             tolerance,
-            largest_multiplier: points.iter().filter_map(|p| Some(p.stability?.magnitude())).reduce(f64::max),
+            largest_multiplier: points.iter().filter_map(|p| p.stability?.known_magnitude()).reduce(f64::max),
             unstable,
         }
     }

@@ -168,9 +168,12 @@ impl<'a> Propagator<'a> {
 }
 
 /// The derivative of the last state with respect to the first: a product of exponentials, since nothing jumps at a
-/// contact instant.
+/// contact instant. All steps between two instants have one exponential together.
 pub(super) fn transition(pieces: &[Piece], states: usize) -> Result<Mat<f64>, TimestepError> {
-    let mut each = pieces.iter().map(|piece| piece.flow.transition(states, piece.length));
+    let mut each = pieces.chunk_by(|a, b| Arc::ptr_eq(&a.flow, &b.flow)).map(|pieces| {
+        let [first, ..] = pieces else { return Ok(Mat::identity(states, states)) };
+        first.flow.transition(states, pieces.iter().map(|piece| piece.length).sum())
+    });
     each.try_fold(Mat::identity(states, states), |before, step| Ok(step? * before))
 }
 

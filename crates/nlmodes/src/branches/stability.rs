@@ -11,11 +11,15 @@ use nlmodes_timestep::{GalerkinReduction, MAX_SHOOTING_MODES, ModeShooting};
 use super::periodic::Periodic;
 use super::{BranchMethod, BranchSettings, StabilityRule, Watch};
 
-/// Modes up to which the multipliers of a motion in harmonics cost no more than the motion itself.
-const CHEAP: usize = 16;
+/// Modes up to which the multipliers of a motion in harmonics are found unasked: those of any structure that is reduced
+/// by default; and contacts.
+const CHEAP: usize = 40;
+const FEW: usize = 16;
 
-/// Distance in scaled unknowns, over their length, up to which an exact motion counts as that of a point in harmonics.
+/// Distance in scaled unknowns, over their length, up to which an exact motion counts as that of a point in harmonics,
+/// and that of the fundamentals of the first contact, over that of the point.
 const NEAR: f64 = 0.1;
+const SAME: f64 = 1e-2;
 
 /// Finds the stability of points.
 pub(super) enum Probe {
@@ -45,7 +49,7 @@ impl Probe {
             (BranchMethod::HarmonicBalance, StabilityRule::Always) => MAX_SHOOTING_MODES,
         };
         let size = model.linear_dofs().len();
-        let is_large = size > 4 * CHEAP || model.contact_dofs().len() > CHEAP;
+        let is_large = size > 4 * CHEAP || model.contact_dofs().len() > FEW;
         if settings.stability == StabilityRule::Auto && is_large {
             return Self::Silent;
         }
@@ -103,6 +107,10 @@ impl Beside {
             let exact = found.points.into_iter().next()?;
             let gap: Vec<f64> = exact.z().iter().zip(&guess).map(|(a, b)| a - b).collect();
             if length(&gap) > NEAR * length(x) {
+                return None;
+            }
+            let fundamental = shooting.fundamental(&exact.x).ok()?;
+            if (fundamental - point.fundamental).abs() > SAME * point.fundamental.abs() {
                 return None;
             }
             shooting.floquet(&exact.x).ok().map(|found| found.stability())
