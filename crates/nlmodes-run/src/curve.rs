@@ -24,8 +24,6 @@ use crate::Failure;
 
 /// Linear modes whose participation is written.
 pub(crate) const LINEAR_MODES: usize = 6;
-/// Of these, how many are shown.
-pub(crate) const SHOWN_MODES: usize = 2;
 
 /// A computed curve of periodic motions, with what is needed to look closer at its points.
 pub(crate) trait Curve {
@@ -67,7 +65,38 @@ pub(crate) trait Curve {
     ///
     /// # Errors
     /// As [`histories`](Self::histories).
-    fn instants(&self, open: &OpenStructure, point: usize, count: usize) -> Result<Instants, Failure>;
+    fn instants(&self, open: &OpenStructure, point: usize, count: usize) -> Result<Instants, Failure> {
+        let phases: Vec<f64> = (0..count).map(|k| TAU * k as f64 / count as f64).collect();
+        let contacts = self.contacts_at(open, point, Grid::Equidistant(count))?;
+        self.instants_of(open, point, &phases, contacts)
+    }
+
+    /// The contacts of a structure in free-interface modes over a period of a point, along its directions.
+    ///
+    /// # Errors
+    /// As [`histories`](Self::histories).
+    fn contacts_at(&self, open: &OpenStructure, point: usize, grid: Grid) -> Result<Vec<TimeHistory>, Failure>;
+
+    /// The coordinates of a structure in free-interface modes at these phases (rad) of a point, with its contacts there.
+    ///
+    /// # Errors
+    /// As [`histories`](Self::histories).
+    fn instants_of(
+        &self,
+        open: &OpenStructure,
+        point: usize,
+        phases: &[f64],
+        contacts: Vec<TimeHistory>,
+    ) -> Result<Instants, Failure>;
+}
+
+/// Instants of a period.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Grid {
+    /// So many equidistant ones, and the end of the period.
+    Equidistant(usize),
+    /// So many and one, both sides of each change of contact and its middle among them.
+    Exact(usize),
 }
 
 /// What makes the displacements of a structure in free-interface modes at some instants, a column each.
@@ -83,11 +112,12 @@ pub(crate) struct Instants {
 }
 
 impl Instants {
-    /// Of contacts that are known and modal coordinates, modes × (H + 1), at `count` instants without loads.
-    pub fn new(contacts: Vec<TimeHistory>, modal: &HarmonicCoefficients, modes: usize, count: usize) -> Self {
+    /// Of contacts that are known and modal coordinates, modes × (H + 1), at these phases (rad) without loads.
+    pub fn new(contacts: Vec<TimeHistory>, modal: &HarmonicCoefficients, modes: usize, phases: &[f64]) -> Self {
+        let count = phases.len();
         let forces = Mat::from_fn(contacts.len(), count, |i, k| contacts[i].force[k]);
         let eta = Mat::from_fn(modes, count, |r, k| {
-            let tau = TAU * k as f64 / count as f64;
+            let tau = phases[k];
             let harmonics = modal.of(r).iter().enumerate();
             harmonics.map(|(n, q)| q.re * (n as f64 * tau).cos() - q.im * (n as f64 * tau).sin()).sum()
         });

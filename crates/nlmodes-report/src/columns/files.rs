@@ -154,8 +154,8 @@ pub const FILES: [FileMeaning; 28] = [
     },
     FileMeaning {
         name: "motion.pvd",
-        meaning: "For ParaView, of a structure from files whose mesh is known: one period with frames `motion_….vtu`, \
-            number of the node, displacement in m (NaN where it depends on other nodes), contact_force in N, gap in m, \
+        meaning: "For ParaView, of a structure from files whose mesh is known: one period with frames `motion_….vtu` \
+            (24 equidistant ones, and those where each contact begins, is largest and ends), number of the node, displacement in m (NaN where it depends on other nodes), contact_force in N, gap in m, \
             and where contacts cover faces of the mesh contact_pressure in Pa (with nodes in the middle of edges it is \
             larger there than at corners, as the forces of nodes are); where stress is recovered, stress, von_mises and \
             principal_stress in Pa",

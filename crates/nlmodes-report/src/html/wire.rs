@@ -22,7 +22,9 @@ pub struct Wireframe {
     pub edges: Vec<[usize; 2]>,
     /// Displacement of each vertex (m) at equal steps of a period: steps × vertices.
     pub displacements: Vec<Vec<[f64; 3]>>,
-    /// Contact vertices, with the force on the structure there (N) at the same steps.
+    /// Phases of the forces, shares of the period, ascending from zero.
+    pub phases: Vec<f64>,
+    /// Contact vertices, with the force on the structure there (N) at these phases.
     pub forces: Vec<(usize, Vec<[f64; 3]>)>,
 }
 
@@ -38,8 +40,9 @@ pub(super) struct WireData {
     cosines: PackedRows,
     sines: PackedRows,
     contacts: Vec<usize>,
-    /// Forces over the steps, x, y, z of one contact after the other.
+    /// Forces over the phases, x, y, z of one contact after the other.
     forces: PackedRows,
+    phases: Vec<f64>,
 }
 
 impl Wireframe {
@@ -53,7 +56,8 @@ impl Wireframe {
             && finite(&self.places)
             && self.edges.iter().flatten().all(is_corner)
             && self.displacements.iter().all(|step| step.len() == n && finite(step))
-            && self.forces.iter().all(|(i, f)| *i < n && f.len() == self.displacements.len() && finite(f))
+            && self.forces.iter().all(|(i, f)| *i < n && f.len() == self.phases.len() && finite(f))
+            && self.phases.iter().all(|phase| phase.is_finite())
     }
 
     pub(super) fn data(&self) -> WireData {
@@ -75,7 +79,7 @@ impl Wireframe {
             sines.clear();
         }
         let forces: Vec<Vec<f64>> =
-            (0..steps).map(|k| self.forces.iter().flat_map(|(_, over)| over[k]).collect()).collect();
+            (0..self.phases.len()).map(|k| self.forces.iter().flat_map(|(_, over)| over[k]).collect()).collect();
         let places: Vec<f64> = self.places.iter().flatten().copied().collect();
         WireData {
             name: self.name.clone(),
@@ -84,8 +88,9 @@ impl Wireframe {
             cosines: packed(&cosines),
             sines: packed(&sines),
             contacts: self.forces.iter().map(|(corner, _)| *corner).collect(),
-            // One row per step, also without force.
+            // One row per phase, also without force.
             forces: PackedRows::new(&forces, scale(forces.iter().flatten().copied())),
+            phases: self.phases.clone(),
         }
     }
 
@@ -161,6 +166,7 @@ mod tests {
             places: vec![[0.0; 3], [2.0, 0.0, 0.0]],
             edges: vec![[0, 1]],
             displacements: (0..steps).map(|k| vec![[0.0; 3], [0.0, 0.0, z(k)]]).collect(),
+            phases: (0..steps).map(|k| k as f64 / steps as f64).collect(),
             forces: vec![(1, (0..steps).map(|k| [0.0, 0.0, (-z(k)).max(0.0)]).collect())],
         }
     }

@@ -10,7 +10,7 @@ use nlmodes::report::columns::ResponseRow;
 use nlmodes_scene::assemble::{OpenStructure, StaticState};
 
 use crate::Failure;
-use crate::curve::{Curve, Instants};
+use crate::curve::{Curve, Grid, Instants};
 use crate::physical::count_history_from_drawing;
 
 /// A branch with the participation of linear modes at its points.
@@ -91,9 +91,22 @@ impl Curve for BranchCurve<'_> {
         Ok(all)
     }
 
-    fn instants(&self, open: &OpenStructure, point: usize, count: usize) -> Result<Instants, Failure> {
-        let mut contacts = self.histories.borrow_mut().equidistant(point, count, "")?;
+    fn contacts_at(&self, _: &OpenStructure, point: usize, grid: Grid) -> Result<Vec<TimeHistory>, Failure> {
+        let mut contacts = match grid {
+            Grid::Equidistant(count) => self.histories.borrow_mut().equidistant(point, count, "")?,
+            Grid::Exact(samples) => self.histories.borrow_mut().at(point, samples, "")?,
+        };
         self.count_from_drawing(&mut contacts);
-        Ok(Instants::new(contacts, &self.branch().points[point].coefficients, open.modes.n_modes(), count))
+        Ok(contacts)
+    }
+
+    fn instants_of(
+        &self,
+        open: &OpenStructure,
+        point: usize,
+        phases: &[f64],
+        contacts: Vec<TimeHistory>,
+    ) -> Result<Instants, Failure> {
+        Ok(Instants::new(contacts, &self.branch().points[point].coefficients, open.modes.n_modes(), phases))
     }
 }

@@ -4,17 +4,25 @@ use std::collections::HashMap;
 use std::f64::consts::TAU;
 
 use nlmodes::linalg::Mat;
+use nlmodes::modal::TimeHistory;
 use nlmodes::report::{ReportError, Wireframe};
 use nlmodes_io::{Component, FeModel, Mesh, NodeContact, PointField, Skin, Surface};
 use nlmodes_scene::assemble::OpenStructure;
 use nlmodes_scene::scene::Scene;
 
 use super::stress::{PointStress, Solids};
-use super::{Curve, Instants};
+use super::{Curve, Grid, Instants};
 use crate::Failure;
 
-/// Frames of a period.
+/// Equidistant frames of a period.
 pub const FRAMES: usize = 24;
+/// Instants in which stretches of contact are sought, and the most of them that have frames of their own.
+const INSTANTS: usize = 480;
+const MOST_STRETCHES: usize = 8;
+/// Force over the largest one from which on a contact has frames of its own, and distance of two frames over the period
+/// up to which they are one.
+const FELT: f64 = 1e-6;
+const SAME: f64 = 1e-9;
 
 /// Angle (rad) by which a surface bends at edges that are drawn where not all can be.
 const SHARP: f64 = 0.5;
@@ -52,8 +60,9 @@ impl Period {
             .collect();
         let (surface, skin) = (Surface::new(mesh, &touching), Skin::of(mesh));
         let motion = Motion::new(open, model, (mesh, &skin), &surface, curve, point)?;
-        let frames: Vec<Frame> =
-            (0..FRAMES).map(|k| motion.frame(k, stress.map(|solids| (solids, surface.points())))).collect();
+        let frames: Vec<Frame> = (0..motion.phases.len())
+            .map(|k| motion.frame(k, stress.map(|solids| (solids, surface.points()))))
+            .collect();
         let wireframe = wireframe(format!("Point {point}"), (mesh, &skin), &surface, &frames, &motion.ends);
         let dependent = motion.dependent();
         Ok(Some(Self { point, surface, frames, duration: motion.period, wireframe, dependent }))
@@ -76,7 +85,8 @@ impl Period {
         self.wireframe.as_ref()
     }
 
-    /// Writes `motion.pvd` and a frame `motion_000.vtu` … for each phase.
+    /// Writes `motion.pvd` and a frame `motion_000.vtu` … for each phase: equidistant ones, and the beginning, largest
+    /// force and end of each stretch in which any contact is closed.
     ///
     /// Fields: number of the node, displacement (m, NaN where it is not known), contact force on the structure (N), gap
     /// (m), and, where contacts cover faces of the mesh, contact pressure (Pa), NaN where there is no contact, or no
@@ -86,8 +96,7 @@ impl Period {
     /// # Errors
     /// [`Failure`] if a file cannot be written.
     pub fn write(&self, scene: &Scene) -> Result<(), Failure> {
-        let frames = self.frames.iter().enumerate();
-        let shown = frames.map(|(k, frame)| (self.duration * k as f64 / FRAMES as f64, frame.fields()));
+        let shown = self.frames.iter().map(|frame| (self.duration * frame.phase, frame.fields()));
         let directory = &scene.output_directory;
         let failed = |source| ReportError::Io { path: directory.join("motion.pvd"), source };
         Ok(self.surface.write(directory, "motion", shown).map_err(failed)?)
@@ -119,6 +128,7 @@ fn wireframe(
     let triple = |values: &[f64], row: usize| [values[3 * row], values[3 * row + 1], values[3 * row + 2]];
     // Corners whose motion is not known are left out with their edges.
     rows.retain(|row| frames.iter().all(|frame| !triple(&frame.displacement, *row).iter().any(|u| u.is_nan())));
+    let equidistant = frames.iter().filter(|frame| frame.is_equidistant);
     let corner = |row: usize| rows.binary_search(&row).ok();
     let joined = |edge: &[u32; 2]| Some([corner(*row.get(&edge[0])?)?, corner(*row.get(&edge[1])?)?]);
     let forces =
@@ -127,10 +137,10 @@ fn wireframe(
         name,
         places: rows.iter().map(|row| mesh.places[surface.points()[*row] as usize]).collect(),
         edges: edges.iter().filter_map(joined).collect(),
-        displacements: frames
-            .iter()
+        displacements: equidistant
             .map(|frame| rows.iter().map(|row| triple(&frame.displacement, *row)).collect())
             .collect(),
+        phases: frames.iter().map(|frame| frame.phase).collect(),
         forces: touching.iter().filter_map(forces).collect(),
     })
 }
@@ -139,6 +149,8 @@ fn wireframe(
 struct Motion<'a> {
     open: &'a OpenStructure,
     period: f64,
+    /// Phase of each frame, rad, and whether it is one of the equidistant ones.
+    phases: Vec<(f64, bool)>,
     instants: Instants,
     /// Displacements that were recovered, a column a frame, m.
     displacements: Mat<f64>,
@@ -174,6 +186,9 @@ struct End {
 
 /// Values at the points of the surface at one phase.
 struct Frame {
+    /// Share of the period, and whether it is one of the equidistant frames.
+    phase: f64,
+    is_equidistant: bool,
     /// Number of the node.
     node: Vec<f64>,
     displacement: Vec<f64>,
@@ -233,10 +248,13 @@ impl<'a> Motion<'a> {
             ends.extend(both.filter_map(|(node, sign)| Some(End { place: *at.get(&node)?, contact, sign, area: 0.0 })));
         }
         find_areas(&mut ends, contacts, surface, (mesh, skin));
-        let instants = curve.instants(open, point, FRAMES)?;
+        let (phases, contacts) = phases_of_frames(curve, open, point)?;
+        let taus: Vec<f64> = phases.iter().map(|(tau, _)| *tau).collect();
+        let instants = curve.instants_of(open, point, &taus, contacts)?;
         Ok(Self {
             displacements: instants.displacements(open, &dofs, &curve.load_shapes()),
             instants,
+            phases,
             period: TAU / curve.branch().points[point].omega,
             open,
             numbers,
@@ -275,8 +293,58 @@ impl<'a> Motion<'a> {
         }
         let node = self.numbers.iter().map(|number| *number as f64).collect();
         let stress = stress.map(|(solids, points)| solids.at_points(points, &self.instants, k));
-        Frame { node, displacement, force, gap, pressure, stress }
+        let (tau, is_equidistant) = self.phases[k];
+        Frame { phase: tau / TAU, is_equidistant, node, displacement, force, gap, pressure, stress }
     }
+}
+
+/// Phases of the frames (rad) with whether each is one of the equidistant ones, and the contacts there.
+#[expect(clippy::type_complexity, reason = "phases with their contacts")]
+fn phases_of_frames(
+    curve: &dyn Curve,
+    open: &OpenStructure,
+    point: usize,
+) -> Result<(Vec<(f64, bool)>, Vec<TimeHistory>), Failure> {
+    let regular = curve.contacts_at(open, point, Grid::Equidistant(FRAMES))?;
+    let exact = curve.contacts_at(open, point, Grid::Exact(INSTANTS))?;
+    let period = exact.first().and_then(|history| history.time.last()).copied().unwrap_or(1.0);
+    let at = |k: usize| exact.first().map_or(0.0, |history| TAU * history.time[k] / period);
+    let even = |k: usize| TAU * k as f64 / FRAMES as f64;
+    let is_new = |k: &usize| (0..=FRAMES).all(|j| (at(*k) - even(j)).abs() > SAME * TAU);
+    let own = instants_of_contact(&exact).into_iter().filter(is_new).map(|k| (at(k), Some(k), k));
+    let mut all: Vec<(f64, Option<usize>, usize)> = (0..FRAMES).map(|k| (even(k), None, k)).chain(own).collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    all.dedup_by(|b, a| b.1.is_some() && b.0 - a.0 <= SAME * TAU);
+    let picked = |(regular, exact): (&TimeHistory, &TimeHistory)| {
+        let mut history = TimeHistory::empty("", regular.stop);
+        for (_, own, k) in &all {
+            let from = if own.is_some() { exact } else { regular };
+            let motion = [from.displacement[*k], from.velocity[*k], from.acceleration[*k]];
+            history.push(from.time[*k], motion, from.force[*k]);
+        }
+        history
+    };
+    let contacts = regular.iter().zip(&exact).map(picked).collect();
+    Ok((all.iter().map(|(tau, own, _)| (*tau, own.is_none())).collect(), contacts))
+}
+
+/// Beginning, largest force and end of each stretch of instants in which any contact is closed, of those with the
+/// largest forces.
+fn instants_of_contact(contacts: &[TimeHistory]) -> Vec<usize> {
+    let count = contacts.first().map_or(0, |history| history.time.len());
+    let forces: Vec<f64> = (0..count).map(|k| contacts.iter().map(|history| history.force[k]).sum()).collect();
+    let largest = forces.iter().copied().fold(0.0, f64::max);
+    let closed: Vec<usize> = (0..count).filter(|k| forces[*k] > FELT * largest).collect();
+    let peak = |stretch: &&[usize]| stretch.iter().map(|k| forces[*k]).fold(0.0, f64::max);
+    let mut stretches: Vec<&[usize]> = closed.chunk_by(|a, b| a + 1 == *b).collect();
+    stretches.sort_by(|a, b| peak(b).total_cmp(&peak(a)));
+    let of = |stretch: &[usize]| -> Vec<usize> {
+        let [first, .., last] = stretch else { return stretch.to_vec() };
+        let middle = stretch.iter().copied().max_by(|a, b| forces[*a].total_cmp(&forces[*b]));
+        // Forces are zero at the instants of contact themselves, which stand before and behind the stretch.
+        [first.saturating_sub(1), middle.unwrap_or(*first), (last + 1).min(count - 1)].to_vec()
+    };
+    stretches.into_iter().take(MOST_STRETCHES).flat_map(of).collect()
 }
 
 /// The areas of ends of contacts: those of one choice cover a face together, on either side.
@@ -291,5 +359,28 @@ fn find_areas(ends: &mut [End], contacts: &[NodeContact], surface: &Surface, (me
             group.iter().map(|k| (surface.points()[ends[*k].place], outward(&ends[*k]))).collect();
         let areas = skin.tributary_areas(mesh, &nodes);
         group.into_iter().zip(areas).for_each(|(k, area)| ends[k].area = area);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A contact with these forces at equal steps of time.
+    fn pushed(forces: &[f64]) -> TimeHistory {
+        let mut history = TimeHistory::empty("", 1.0);
+        forces.iter().enumerate().for_each(|(k, force)| history.push(k as f64, [0.0; 3], *force));
+        history
+    }
+
+    #[test]
+    fn contact_has_instants_where_it_begins_is_largest_and_ends() {
+        // Both contacts are one stretch where they overlap; the wrapped one begins with the period.
+        let first = pushed(&[1.0, 0.5, 0.0, 0.0, 2.0, 5.0, 1.0, 0.0, 0.0, 0.0, 0.2, 0.0]);
+        let second = pushed(&[0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 6.0, 3.0, 0.0, 0.0, 0.0, 0.0]);
+        let mut found = instants_of_contact(&[first, second]);
+        found.sort_unstable();
+        assert_eq!(found, [0, 0, 2, 3, 6, 8, 10]);
+        assert!(instants_of_contact(&[pushed(&[0.0; 5])]).is_empty() && instants_of_contact(&[]).is_empty());
     }
 }

@@ -15,7 +15,7 @@ use super::convert::modal_coordinates;
 use super::curves::ComputedResponse;
 use super::model::Model;
 use crate::Failure;
-use crate::curve::{Curve, Instants};
+use crate::curve::{Curve, Grid, Instants};
 use crate::physical::count_history_from_drawing;
 
 /// A curve of motions of the model of a scene.
@@ -155,13 +155,25 @@ impl Curve for Viewed<'_> {
         self.model.response().load_shapes()
     }
 
-    fn instants(&self, open: &OpenStructure, point: usize, count: usize) -> Result<Instants, Failure> {
+    fn contacts_at(&self, open: &OpenStructure, point: usize, grid: Grid) -> Result<Vec<TimeHistory>, Failure> {
         let sides: Vec<f64> = open.reduced.direction_of().iter().map(|(_, toward)| *toward).collect();
-        let within = |stretches: &[[f64; 2]]| {
-            let phases = (0..=count).map(|k| TAU * k as f64 / count as f64);
-            phases.map(|tau| (tau, stretches.partition_point(|ends| ends[1] < tau).min(stretches.len() - 1))).collect()
-        };
-        let contacts = self.contacts(point, "", &sides, within)?;
+        self.contacts(point, "", &sides, |stretches| match grid {
+            Grid::Exact(samples) => TimeHistory::exact_instants(stretches, samples),
+            Grid::Equidistant(count) => {
+                let phases = (0..=count).map(|k| TAU * k as f64 / count as f64);
+                let within = |tau: f64| stretches.partition_point(|ends| ends[1] < tau).min(stretches.len() - 1);
+                phases.map(|tau| (tau, within(tau))).collect()
+            }
+        })
+    }
+
+    fn instants_of(
+        &self,
+        open: &OpenStructure,
+        point: usize,
+        phases: &[f64],
+        contacts: Vec<TimeHistory>,
+    ) -> Result<Instants, Failure> {
         let (found, subharmonic) = self.motion(point)?;
         let mut modal = modal_coordinates(&found.motion, open.modes.n_modes());
         // Motions are about the state at rest; what that has beyond the modes is added to displacements.
@@ -169,12 +181,9 @@ impl Curve for Viewed<'_> {
         for (mode, by) in still.take(open.modes.n_modes()).enumerate() {
             modal.of_mut(mode)[0] += by;
         }
-        let coordinates = |k: usize| {
-            let phase = TAU * k as f64 / count as f64;
-            self.model.response().load_coordinates(&found.motion, subharmonic, phase)
-        };
-        let columns: Vec<Vec<f64>> = (0..count).map(coordinates).collect();
-        let loads = Mat::from_fn(columns.first().map_or(0, Vec::len), count, |j, k| columns[k][j]);
-        Ok(Instants { loads, ..Instants::new(contacts, &modal, open.modes.n_modes(), count) })
+        let coordinates = |phase: &f64| self.model.response().load_coordinates(&found.motion, subharmonic, *phase);
+        let columns: Vec<Vec<f64>> = phases.iter().map(coordinates).collect();
+        let loads = Mat::from_fn(columns.first().map_or(0, Vec::len), phases.len(), |j, k| columns[k][j]);
+        Ok(Instants { loads, ..Instants::new(contacts, &modal, open.modes.n_modes(), phases) })
     }
 }

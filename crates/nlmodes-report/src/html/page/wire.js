@@ -61,10 +61,13 @@ class Wire {
     return u;
   }
 
-  /// Forces at this phase, between the steps in proportion.
+  /// Forces at this phase, between the phases that are known in proportion.
   forcesNow() {
-    const steps = this.forces.length, at = this.player.phase * steps, before = Math.floor(at) % steps, share = at - Math.floor(at);
-    const after = this.forces[(before + 1) % steps] || [];
+    const phases = this.data.phases, last = phases.length - 1, at = this.player.phase;
+    let before = 0;
+    while (before < last && phases[before + 1] <= at) before += 1;
+    const next = before === last ? 1 : phases[before + 1], share = (at - phases[before]) / Math.max(1e-12, next - phases[before]);
+    const after = this.forces[before === last ? 0 : before + 1] || [];
     return (this.forces[before] || []).map((f, i) => (1 - share) * f + share * (after[i] || 0));
   }
 
