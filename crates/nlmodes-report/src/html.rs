@@ -21,7 +21,7 @@ pub use wire::Wireframe;
 
 use crate::ReportError;
 use crate::StopLine;
-use crate::figure::{Figure, HistoryLook, LineKind};
+use crate::figure::{Figure, HistoryLook, LineKind, SHOWN_MODES, strongest};
 use crate::output::replace_file;
 use crate::palette;
 use nlmodes_modal::{ModalBranch, Participation, TimeHistory};
@@ -187,6 +187,13 @@ impl<'a> HtmlReport<'a> {
     fn participating_modes(&self) -> usize {
         let factors = self.participation.iter().flat_map(|points| points.iter()).map(|p| p.energy_shares.len());
         if self.participation.len() == self.branches.len() { factors.min().unwrap_or(0) } else { 0 }
+    }
+
+    /// The modes whose shares are drawn, from 0: those with the largest ones.
+    fn strongest_modes(&self) -> Vec<usize> {
+        let all = self.participation.iter().flat_map(|points| points.iter());
+        let found = if self.participating_modes() == 0 { Vec::new() } else { strongest(all, SHOWN_MODES) };
+        found.into_iter().filter(|mode| *mode < self.participating_modes()).collect()
     }
 
     /// With a static main figure, before all others.

@@ -95,8 +95,8 @@ mod unit;
 pub use error::ReportError;
 pub use figure::{
     Abscissa, BranchFigure, ContactFigure, ConvergenceFigure, Figure, HistoryFigure, LineKind, MeasuredFigure,
-    MotionFigure, ParticipationFigure, Quantity, ResponseFigure, ResponseLine, SpreadFigure, StiffnessFigure,
-    TornadoFigure,
+    MotionFigure, ParticipationFigure, Quantity, ResponseFigure, ResponseLine, SHOWN_MODES, SpreadFigure,
+    StiffnessFigure, TornadoFigure,
 };
 pub use html::{DataTable, HtmlReport, Page, Wireframe, explore};
 pub use output::write_file;

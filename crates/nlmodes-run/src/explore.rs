@@ -95,7 +95,7 @@ pub use error::ExploreError;
 pub use page::Page;
 
 /// Computes the branch of a scene from its start; one way where it goes both ways, without stability. Of a scene with
-/// responses the first curve of the first one.
+/// responses the first curve of each level of the first one.
 ///
 /// It is shown as the page's script takes it: JSON of the branch with the motions of its points. `watch` may end it;
 /// what `structures` know of files is not read and reduced again.
@@ -129,5 +129,5 @@ pub fn picture(file: &SceneFile, watch: Watch, structures: &Structures) -> Resul
         compute_branch(massless, &settings, going_on).map_err(|error| refusal::of_branch(file, &error))?;
     let state = state.as_ref();
     recover(&file.scene, (open.as_ref(), state), [&mut computed]);
-    crate::curve::picture::picture(&file.scene, &BranchCurve::new(&computed, &[], state), &watch)
+    crate::curve::picture::picture(&file.scene, &[&BranchCurve::new(&computed, &[], state)], &watch)
 }

@@ -25,6 +25,8 @@ pub(super) struct Data {
     #[serde(skip_serializing_if = "Option::is_none")]
     wire: Option<WireData>,
     colors: Colors,
+    /// Linear modes whose shares in the energy are drawn, from 0.
+    strongest_modes: Vec<usize>,
     /// Names, with units, of the quantities that this page adds.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     quantities: Vec<String>,
@@ -143,6 +145,7 @@ impl Data {
                 leaving: palette::LEAVING,
                 stops: palette::STOPS.to_vec(),
             },
+            strongest_modes: report.strongest_modes(),
             quantities: report.quantities.iter().map(|(label, _)| label.clone()).collect(),
             main_axes: report.main_figure.as_ref().map(|main| main.axes.clone()),
         }

@@ -44,7 +44,8 @@ pub fn page(title: &str, sliders: &Value) -> String {
 <header><h1>{title}</h1><p id="state" class="quiet" role="status">computing …</p></header>
 <main class="explore">
 <form id="sliders" class="box" aria-label="Values of the scene"></form>
-<div><div class="box"><h2 class="plain">Frequency over averaged kinetic energy</h2><div id="curve" class="plot"></div></div>
+<div><div class="box"><h2 class="plain">Frequency over averaged kinetic energy</h2><div id="levels"></div>
+<div id="curve" class="plot"></div></div>
 <div class="box"><div id="controls" class="controls"></div><div id="motion"></div></div></div>
 <div id="details" class="box"></div>
 </main>
@@ -54,4 +55,20 @@ pub fn page(title: &str, sliders: &Value) -> String {
 </html>
 "#
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn braces_of_the_style_are_closed_where_they_are_opened() {
+        // One too many takes the next rule with it.
+        let mut depth = 0_i32;
+        for c in STYLE.chars() {
+            depth += i32::from(c == '{') - i32::from(c == '}');
+            assert!((0..=2).contains(&depth));
+        }
+        assert_eq!(depth, 0);
+    }
 }

@@ -9,7 +9,9 @@ use super::overview::tongue_at_end;
 use super::table::{DataTable, cell, point_cell};
 use super::{HtmlReport, data, document};
 use crate::ReportError;
-use crate::figure::{Abscissa, BranchFigure, EventSymbols, Figure, HistoryFigure, ParticipationFigure, stroboscope};
+use crate::figure::{
+    Abscissa, BranchFigure, EventSymbols, Figure, HistoryFigure, ParticipationFigure, SHOWN_MODES, stroboscope,
+};
 use crate::stations;
 use crate::svg::escape;
 use nlmodes_modal::{Event, ModalPoint, TimeHistory, tongues};
@@ -79,7 +81,7 @@ impl HtmlReport<'_> {
             return Ok(String::new());
         }
         let pairs: Vec<_> = self.branches.iter().copied().zip(self.participation.iter().copied()).collect();
-        match ParticipationFigure::new(&pairs, modes).render() {
+        match ParticipationFigure::new(&pairs, modes.min(SHOWN_MODES)).render() {
             Ok(figure) => {
                 Ok(boxed("Shares of the linear modes in the kinetic energy", &figure, "id=\"participation\""))
             }

@@ -3,11 +3,13 @@
 use std::path::Path;
 
 use nlmodes::modal::{ModalBranch, Participation};
-use nlmodes::report::{Abscissa, BranchFigure, ContactFigure, Figure, MotionFigure, ParticipationFigure, ReportError};
+use nlmodes::report::{
+    Abscissa, BranchFigure, ContactFigure, Figure, MotionFigure, ParticipationFigure, ReportError, SHOWN_MODES,
+};
 use nlmodes_scene::scene::Scene;
 
 use super::histories::Reference;
-use super::{Curve, SHOWN_MODES, gradients, stops};
+use super::{Curve, gradients, stops};
 use crate::Failure;
 use crate::style::style_of;
 

@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use super::histories::Reference;
 use super::space::Period;
-use super::{Curve, SHOWN_MODES, gradients};
+use super::{Curve, LINEAR_MODES, gradients};
 use crate::Failure;
 use crate::certificate::{Certificate, tables};
 
@@ -68,7 +68,7 @@ pub fn write(
     let branches: Vec<&ModalBranch> =
         curves.iter().map(|curve| curve.branch()).chain(content.laid.iter().copied()).collect();
     let contact_motion = |curve: usize, point: usize| curves.get(curve)?.histories(point, MOTION_SAMPLES, "").ok();
-    let own = curves.iter().map(|curve| lowest(curve.participation()));
+    let own = curves.iter().map(|curve| curve.participation().to_vec());
     let participation: Vec<Vec<Participation>> =
         own.chain(content.laid.iter().map(|branch| unknown(branch.points.len()))).collect();
     let participation: Vec<&[Participation]> = participation.iter().map(Vec::as_slice).collect();
@@ -121,7 +121,7 @@ pub fn write(
 
 /// The participation of so many points of which none is known.
 fn unknown(points: usize) -> Vec<Participation> {
-    let none = vec![f64::NAN; SHOWN_MODES];
+    let none = vec![f64::NAN; LINEAR_MODES];
     let one = Participation {
         factors: none.clone(),
         quadrature: none.clone(),
@@ -129,16 +129,4 @@ fn unknown(points: usize) -> Vec<Participation> {
         energy_shares: none,
     };
     vec![one; points]
-}
-
-/// The participation of the modes that are shown.
-fn lowest(found: &[Participation]) -> Vec<Participation> {
-    let of = |point: &Participation| {
-        let mut point = point.clone();
-        point.factors.truncate(SHOWN_MODES);
-        point.quadrature.truncate(SHOWN_MODES);
-        point.energy_shares.truncate(SHOWN_MODES);
-        point
-    };
-    found.iter().map(of).collect()
 }

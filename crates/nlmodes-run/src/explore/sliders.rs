@@ -84,13 +84,19 @@ fn loads(file: &SceneFile) -> Vec<Slider> {
     let mut keys = vec![
         ("damping.ratio".to_owned(), "damping ratio".to_owned(), ""),
         ("damping.ratios.0".to_owned(), "damping ratio of mode 1".to_owned(), ""),
-        ("response.0.levels_n.0".to_owned(), "force".to_owned(), "N"),
-        ("response.0.levels_m_s2.0".to_owned(), "acceleration of the base".to_owned(), "m/s²"),
         ("base_motion.acceleration_m_s2".to_owned(), "acceleration of the base".to_owned(), "m/s²"),
     ];
+    let levels = file.scene.responses.first().map_or(0, |response| response.levels.len());
+    let level = |what: &str, k: usize| if levels > 1 { format!("{what}, level {}", k + 1) } else { what.to_owned() };
+    for k in 0..levels {
+        keys.push((format!("response.0.levels_n.{k}"), level("force", k), "N"));
+        keys.push((format!("response.0.levels_m_s2.{k}"), level("acceleration of the base", k), "m/s²"));
+    }
     let forces = file.scene.forces.len();
     let name = |k: usize| if forces > 1 { format!("force {k}") } else { "force".to_owned() };
-    keys.extend((0..forces).map(|k| (format!("force.{k}.amplitude_n"), name(k), "N")));
+    // Levels are those of the first force.
+    let first = usize::from(levels > 0 && written(file, "response.0.levels_n.0").is_some());
+    keys.extend((first..forces).map(|k| (format!("force.{k}.amplitude_n"), name(k), "N")));
     let slider = |(key, label, unit): (String, String, &'static str)| {
         positive(file, &key, label, unit, Kind::Logarithmic, [0.2, 5.0])
     };

@@ -116,6 +116,11 @@ pub fn detached<'a>(scene: &'a Scene, curves: &[ComputedResponse]) -> Vec<Job<'a
 }
 
 impl Job<'_> {
+    /// Number of its response in the scene, from 0.
+    pub fn response(&self) -> usize {
+        self.response
+    }
+
     /// Its name in legends.
     pub fn name(&self, scene: &Scene, model: &Model) -> String {
         let unit = model.unit;

@@ -1,4 +1,4 @@
-//! The first curve of a scene with responses, without files, as data of the page.
+//! The curves of the first response of a scene, without files, as data of the page.
 
 use nlmodes::branches::Watch;
 use nlmodes::response::StepLog;
@@ -10,9 +10,10 @@ use super::curves::{follow, jobs};
 use super::model::Model;
 use super::viewed::viewed;
 use crate::RunError;
+use crate::curve::Curve;
 use crate::curve::picture::{self, MOST_POINTS};
 
-/// Computes the first curve of the first response, at its first level, without stability.
+/// Computes the first curve of each level of the first response, without stability.
 ///
 /// # Errors
 /// [`RunError`] if there is no curve, [`RunError::Ended`] if it was asked to end.
@@ -22,18 +23,20 @@ pub fn picture(file: &SceneFile, watch: &Watch, structures: &Structures) -> Resu
     file.scene.continuation.max_points = file.scene.continuation.max_points.min(MOST_POINTS);
     let model = Model::sharing(&file, structures)?;
     let scene = &file.scene;
-    let Some(job) = jobs(scene).into_iter().next() else { return Err(RunError::Ended) };
-    let name = job.name(scene, &model);
-    let curves = follow(&model, scene, job, (&name, &StepLog::default()), watch.clone());
-    if watch.has_ended() {
-        return Err(RunError::Ended);
+    let mut levels = Vec::new();
+    for job in jobs(scene).into_iter().filter(|job| job.response() == 0) {
+        let name = job.name(scene, &model);
+        let curves = follow(&model, scene, job, (&name, &StepLog::default()), watch.clone());
+        if watch.has_ended() {
+            return Err(RunError::Ended);
+        }
+        let Some(first) = curves.into_iter().next() else { return Err(RunError::Ended) };
+        if let Err(why) = first.said() {
+            return Err(file.error_at("response", why, "this response", &[]).into());
+        }
+        levels.push(first);
     }
-    let Some(first) = curves.first() else { return Err(RunError::Ended) };
-    if let Err(why) = first.said() {
-        return Err(file.error_at("response", why, "this response", &[]).into());
-    }
-    match viewed(scene, &model, &curves).first() {
-        Some(first) => picture::picture(scene, first, watch),
-        None => Err(RunError::Ended),
-    }
+    let shown = viewed(scene, &model, &levels);
+    let curves: Vec<&dyn Curve> = shown.iter().map(|curve| curve as &dyn Curve).collect();
+    picture::picture(scene, &curves, watch)
 }

@@ -20,7 +20,7 @@ function facts(branch, index) {
     ["residual", significant(branch.residual[index], 2)],
   ];
   // The impulse converges with harmonics, the largest force of a short blow need not.
-  const stops = branch.stops.map((stop, number) => {
+  const stops = branch.stops.length > EACH ? [allStops(branch, index, force)] : branch.stops.map((stop, number) => {
     const impulse = withUnit(stop.impulse[index], "N s", prefixed, most("impulse"));
     if (branch.stops.length === 1) return ["impulse a period", impulse];
     const closed = significant(100 * stop.closed[index], 3);
@@ -37,6 +37,22 @@ function facts(branch, index) {
   return rows;
 }
 
+/// Stops that have a row each; more, as the nodes of a face, have one together.
+const EACH = 6;
+
+/// All stops in one row: how many are touched, the impulse in all, and which is closed longest and is pressed most.
+function allStops(branch, index, force) {
+  const numbers = branch.stops.map((_, number) => number).filter(number => branch.stops[number].closed[index] > 0);
+  const name = `${branch.stops.length} stops`;
+  if (!numbers.length) return [name, "all open"];
+  const top = id => numbers.reduce((most, number) => (branch.stops[number][id][index] > branch.stops[most][id][index] ? number : most));
+  const [longest, hardest] = [top("closed"), top("force")];
+  const impulse = numbers.reduce((sum, number) => sum + branch.stops[number].impulse[index], 0);
+  const closed = significant(100 * branch.stops[longest].closed[index], 3);
+  const most = withUnit(branch.stops[hardest].force[index], "N", prefixed, force);
+  return [name, `${numbers.length} touched, impulse in all ${withUnit(impulse, "N s", prefixed)}, closed up to ${closed} % (stop ${longest}), force* up to ${most} (stop ${hardest})`];
+}
+
 /// Name of an event and what it means.
 function eventText(event) {
   const known = typeof DATA === "undefined" ? null : DATA.eventSymbols.find(entry => entry.name === event);
@@ -49,7 +65,7 @@ function quantitiesOf(branch, index) {
   const rows = known.map((label, k) => [label, branch.extra && branch.extra[k] ? branch.extra[k][index] : null]);
   return rows.filter(([, value]) => Number.isFinite(value)).map(([label, value]) => {
     const unit = label.slice(withoutUnit(label).length + 4);
-    return [withoutUnit(label), `${significant(value, 5)} ${unit}`];
+    return [withoutUnit(label), ["m", "N"].includes(unit) ? withUnit(value, unit, fine) : `${significant(value, 5)} ${unit}`];
   });
 }
 
@@ -124,6 +140,15 @@ function branchSpec(columns, kinds, onHover, onChoose) {
 function titleOf(columns) {
   const [x, y] = columns.map(column => withoutUnit(column.label));
   return `${y[0].toUpperCase()}${y.slice(1)} over ${x}`;
+}
+
+/// A column in the multiple of its unit that is easy to read, for lengths, forces and impulses.
+function readable(column, branches) {
+  const unit = (column.label.match(/ in (m|N|N s)$/) || [])[1];
+  if (!unit) return column;
+  const { symbol, perSi } = fine(unit, largest(branches.map(branch => largest(column.of(branch) || []))));
+  const scaled = values => values && values.map(value => (value === null ? null : value * perSi));
+  return { ...column, label: column.label.slice(0, -unit.length) + symbol, of: branch => scaled(column.of(branch)) };
 }
 
 /// First and last of each run of numbers that follow each other.
@@ -206,7 +231,8 @@ class Choice {
     this.title.textContent = titleOf(columns);
     this.bar.replaceChildren();
     [1, 0].forEach(axis => this.selector(all, columns, axis));
-    this.chart = new Chart(this.box, branchSpec(columns, this.kinds, this.onHover, this.onChoose));
+    const shown = columns.map(column => readable(column, DATA.branches));
+    this.chart = new Chart(this.box, branchSpec(shown, this.kinds, this.onHover, this.onChoose));
     hidden.forEach(key => this.chart.hide(key, true));
     if (chosen) this.chart.choose(chosen.key, chosen.index);
   }

@@ -11,7 +11,7 @@ const AXES = IS_FORCED
   : [{ id: "energy", label: "averaged kinetic energy in J", kind: "log" }, { id: "frequency", label: "frequency in Hz", kind: "linear" }];
 const TITLE = IS_FORCED ? "Response over frequency" : "Frequency over averaged kinetic energy";
 
-const live = { values: {}, kept: [], branch: null, share: 0.6, running: null, latest: 0 };
+const live = { values: {}, kept: [], branches: [], key: 0, share: 0.6, running: null, latest: 0 };
 
 function say(text, wrong) {
   byId("state").textContent = text;
@@ -33,19 +33,49 @@ function positionOf(slider, value) {
   return 1000 * (value - slider.from) / (slider.to - slider.from);
 }
 
+/// The multiple of the unit of a slider that is easy to read; ratios in per cent.
+function unitOf(slider) {
+  if (slider.kind === "whole") return { symbol: "", perSi: 1 };
+  if (slider.unit === "") return { symbol: "%", perSi: 100 };
+  const size = Math.abs(slider.value);
+  if (slider.unit === "m") return fine("m", size);
+  return ["N", "Pa", "N/m"].includes(slider.unit) ? prefixed(slider.unit, size) : { symbol: slider.unit, perSi: 1 };
+}
+
+/// A typed value as the scene can have it: whole numbers, and places that there are.
+function possible(slider, value) {
+  if (slider.kind === "whole") return Math.max(1, Math.round(value));
+  if (slider.kind !== "choice") return value;
+  return slider.choices.reduce((near, one) => (Math.abs(one - value) < Math.abs(near - value) ? one : near));
+}
+
 function addSliders(form) {
   form.addEventListener("submit", event => event.preventDefault());
   for (const slider of SETTINGS) {
-    const label = html(form, "label", {}, slider.label);
-    const shown = html(label, "output");
-    const input = html(label, "input", { type: "range", min: 0, max: 1000, step: "any", value: positionOf(slider, slider.value), "data-key": slider.key });
-    const show = value => { shown.textContent = `${slider.kind === "whole" ? value : significant(value, 5)} ${slider.unit}`; };
+    const unit = unitOf(slider), row = html(form, "div", { class: "slider" }), id = `value-${slider.key}`;
+    html(row, "label", { for: id }, slider.label);
+    const typed = html(row, "input", { type: "number", id, step: "any" });
+    html(row, "span", { class: "unit" }, unit.symbol);
+    const input = html(row, "input", {
+      type: "range", min: 0, max: 1000, step: "any", value: positionOf(slider, slider.value), "data-key": slider.key, "aria-label": slider.label,
+    });
+    const show = value => { typed.value = Number((value * unit.perSi).toPrecision(5)); };
     show(slider.value);
+    const take = value => { live.values[slider.key] = Number(value.toPrecision(6)); compute(); };
     input.addEventListener("input", () => {
-      const value = Number(valueAt(slider, Number(input.value)).toPrecision(6));
-      live.values[slider.key] = value;
+      const value = valueAt(slider, Number(input.value));
       show(value);
-      compute();
+      take(value);
+    });
+    typed.addEventListener("change", () => {
+      const read = Number(typed.value) / unit.perSi;
+      if (!Number.isFinite(read) || (slider.kind === "log" && read <= 0)) { say(`${slider.label}: a ${slider.kind === "log" ? "positive " : ""}number is needed`, true); return; }
+      const value = possible(slider, read);
+      // What is typed may lie beyond the ends.
+      if (slider.kind !== "choice") Object.assign(slider, { from: Math.min(slider.from, value), to: Math.max(slider.to, value) });
+      input.value = positionOf(slider, value);
+      show(value);
+      take(value);
     });
   }
   const button = html(form, "button", { type: "button" }, "Save as a scene");
@@ -67,11 +97,12 @@ async function compute() {
   try {
     const found = await ask("compute", live.running.signal);
     if (own !== live.latest) return;
-    show(unpackBranch(found.branches[0]));
+    show(found.branches.map(unpackBranch));
     const milliseconds = performance.now() - began;
     document.body.dataset.latency = milliseconds.toFixed(1);
     document.body.dataset.shown = own;
-    say(`${found.branches[0].frequency.length} points, ${milliseconds.toFixed(0)} ms`);
+    const points = found.branches.reduce((sum, branch) => sum + branch.frequency.length, 0);
+    say(`${points} points, ${milliseconds.toFixed(0)} ms`);
   } catch (error) {
     if (error.name === "AbortError" || own !== live.latest) return;
     say(error instanceof TypeError ? "The program has ended: start it again." : error.message, true);
@@ -86,33 +117,47 @@ async function save() {
   }
 }
 
-/// The new branch, those before it faint.
-function show(branch) {
-  if (live.branch) live.kept = [live.branch, ...live.kept].slice(0, KEPT);
-  live.branch = branch;
-  const [x, y] = AXES;
-  const faint = live.kept.map((old, k) => ({ key: `kept ${k}`, x: old[x.id], y: old[y.id], color: "#999999", width: 0.9, describes: false }));
-  const breaks = new Set(branch.resumed);
-  const own = { key: 0, x: branch[x.id], y: branch[y.id], color: branch.color, width: 2.2, breaks, corners: cornersOf(branch) };
+/// The new branches, of responses one for each level; those before them faint.
+function show(branches) {
+  if (live.branches.length) live.kept = [live.branches, ...live.kept].slice(0, KEPT);
+  live.branches = branches;
+  const columns = AXES.map(axis => ({ ...axis, of: branch => branch[axis.id] }));
+  const [x, y] = columns.map(column => readable(column, branches));
+  const faint = live.kept.flatMap((old, k) => old.map((branch, level) => (
+    { key: `kept ${k} ${level}`, x: x.of(branch), y: y.of(branch), color: "#999999", width: 0.9, describes: false })));
+  const own = branches.map((branch, key) => (
+    { key, x: x.of(branch), y: y.of(branch), color: branch.color, width: 2.2, breaks: new Set(branch.resumed), corners: cornersOf(branch) }));
   if (live.chart) live.chart.end();
   live.chart = new Chart(byId("curve"), {
-    name: TITLE, height: 330, zoomY: true,
+    name: TITLE, height: 240, zoomY: true,
     x: { label: x.label, kind: x.kind },
-    panels: [{ label: y.label, kind: y.kind, curves: [...faint, own], symbols: [] }],
-    describe: (_, index) => [`point ${index}`, `frequency: ${hertz(branch.frequency[index])}`],
-    onChoose: (_, index) => choose(index),
+    panels: [{ label: y.label, kind: y.kind, curves: [...faint, ...own], symbols: [] }],
+    describe: (curve, index) => [`${named(branches[curve.key])}point ${index}`, `frequency: ${hertz(branches[curve.key].frequency[index])}`],
+    onChoose: (key, index) => choose(key, index),
   });
-  choose(Math.round(live.share * (branch.frequency.length - 1)));
+  const list = byId("levels");
+  list.replaceChildren();
+  if (branches.length > 1) branches.forEach(branch => {
+    const entry = html(list, "span");
+    const sample = svg(entry, "svg", { width: 28, height: 14, viewBox: "0 0 28 14", "aria-hidden": "true" });
+    svg(sample, "line", { x1: 2, x2: 26, y1: 7, y2: 7, stroke: branch.color, "stroke-width": 2.4 });
+    html(entry, "span", {}, branch.label);
+  });
+  const key = Math.min(live.key, branches.length - 1);
+  choose(key, Math.round(live.share * (branches[key].frequency.length - 1)));
 }
 
-function choose(index) {
-  const branch = live.branch;
+const named = branch => (live.branches.length > 1 ? `${branch.label}: ` : "");
+
+function choose(key, index) {
+  const branch = live.branches[key];
+  live.key = key;
   live.share = index / Math.max(1, branch.frequency.length - 1);
-  live.chart.choose(0, index);
+  live.chart.choose(key, index);
   live.motion.show(branch, index);
   const box = byId("details");
   box.replaceChildren();
-  html(box, "h3", {}, `Point ${index}`);
+  html(box, "h3", {}, `${named(branch)}point ${index}`.replace(/^p/, "P"));
   const table = html(html(box, "table"), "tbody");
   for (const [name, value] of facts(branch, index)) {
     const row = html(table, "tr");

@@ -1,7 +1,8 @@
-// Shares of the linear modes in the kinetic energy over the modal amplitude: a panel for each mode, all branches in each.
+// Shares of the linear modes in the kinetic energy over the modal amplitude: a panel for each of the modes with the largest
+// ones, all branches in each.
 
 function participationSpec(onHover, onChoose) {
-  const modes = DATA.branches[0].participation.map((_, mode) => mode);
+  const modes = DATA.strongestModes;
   const panels = modes.map(mode => ({
     label: `energy share, mode ${mode + 1}`, kind: "linear", symbols: [],
     curves: DATA.branches.map((branch, key) => ({
@@ -10,7 +11,7 @@ function participationSpec(onHover, onChoose) {
   }));
   const describe = ({ key }, index) => {
     const branch = DATA.branches[key];
-    const share = mode => significant(branch.participation[mode][index], 5);
+    const share = mode => significant((branch.participation[mode] || [])[index], 5);
     return [
       `${branch.label}: point ${index}`, `frequency: ${hertz(branch.frequency[index])}`,
       `modal amplitude: ${significant(branch.amplitude[index], 5)} m √kg`,
