@@ -11,7 +11,7 @@ use num_complex::Complex64;
 
 use crate::curve::{Solved, curve_end, energy_bound, frequency_bound, lost};
 use crate::exact::exact_stability;
-use crate::losses::name_lost_stability;
+use crate::losses::{is_loss, name_lost_stability};
 use crate::{ResponseCurve, ResponseError, ResponsePoint, ResponseSettings, Stability};
 
 /// A curve to follow: a system, where it starts, and what its points are called.
@@ -97,7 +97,8 @@ impl Curve<'_> {
         let (system, settings) = (&self.system, self.settings);
         let mut budget = settings.budget();
         let touches = |point: &ResponsePoint| point.motion.contacts.iter().any(|contact| contact.closed_share > 0.0);
-        for point in points.iter_mut().filter(|point| touches(point)) {
+        // A loss of stability stands where the estimate passes the unit circle.
+        for point in points.iter_mut().filter(|point| touches(point) && !point.events.iter().any(is_loss)) {
             let Some(estimate) = point.stability.filter(|s| !s.is_certain(settings.multiplier_margin)) else {
                 continue;
             };

@@ -98,6 +98,7 @@ pub(crate) fn name_lost_stability(points: &mut [ResponsePoint]) {
     }
 }
 
-fn is_loss(event: &Event) -> bool {
+/// Whether an event is a loss of stability without a fold.
+pub(crate) fn is_loss(event: &Event) -> bool {
     matches!(event, Event::PeriodDoubling | Event::NeimarkSacker)
 }
