@@ -53,7 +53,9 @@ fn the_plate_runs_and_its_motion_is_there_for_paraview() -> Outcome {
     let points = run(&configs("structures/plate.toml"), folder.path(), &["continuation.max_energy_ratio=1.5"])?;
     assert!((points[0][0] / 273.5353 - 1.0).abs() < 1e-6 && points.last().is_some_and(|last| last[0] > 274.0));
     let collection = fs::read_to_string(folder.path().join("motion.pvd"))?;
-    assert_eq!(collection.matches("<DataSet").count(), 24);
+    // 24 equidistant frames, and those where contacts begin, are largest and end.
+    let frames = collection.matches("<DataSet").count();
+    assert!((25..=24 + 3 * 8).contains(&frames), "{frames}");
     let frame = fs::read_to_string(folder.path().join("motion_000.vtu"))?;
     assert!(["displacement", "contact_force", "gap"].iter().all(|name| frame.contains(&format!("Name=\"{name}\""))));
     // A single node covers no face; the tips of the rotor's blades do.
