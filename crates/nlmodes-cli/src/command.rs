@@ -2,7 +2,6 @@
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser};
@@ -21,15 +20,7 @@ use crate::figures;
 use crate::observer::TerminalObserver;
 use crate::options::RunOptions;
 use crate::terminal::{print, refuse, refuse_run, wants_colours};
-use crate::{Status, at, compare, design, extract, lcp, modes, new, run, settle, study, verify};
-
-/// By which the program was called, where that is a file.
-static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
-
-/// Path of the program, for scripts that call it again.
-pub(crate) fn program() -> PathBuf {
-    PROGRAM.get().cloned().or_else(|| std::env::current_exe().ok()).unwrap_or_else(|| "nlmodes-cli".into())
-}
+use crate::{Status, at, compare, design, extract, lcp, modes, new, program, run, settle, study, verify};
 
 /// Parses the arguments of the process and executes the command. Wrong calls end the process with status 2.
 pub fn run() -> Status {
@@ -38,8 +29,7 @@ pub fn run() -> Status {
 
 /// As [`run`], with these arguments, of which the first one is the name of the program.
 pub fn run_with(arguments: Vec<OsString>) -> Status {
-    let called = arguments.first().map(PathBuf::from).filter(|path| path.is_absolute() && path.is_file());
-    called.into_iter().for_each(|path| _ = PROGRAM.set(path));
+    program::called_by(&arguments);
     let parsed = CommandLine::try_parse_from(&arguments);
     match parsed.unwrap_or_else(|error| said_better(error, &arguments).exit()).command {
         Command::Run { scene, out, options } => {

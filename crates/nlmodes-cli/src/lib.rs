@@ -30,6 +30,7 @@ mod modes;
 mod new;
 mod observer;
 mod options;
+mod program;
 mod progress;
 mod run;
 mod settle;

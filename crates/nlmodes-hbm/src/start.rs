@@ -69,7 +69,7 @@ impl Grazing {
     }
 
     /// Whether contacts touch at rest: the nonlinear mode then is nowhere linear, and
-    /// [`MixedShooting::shrinking_gaps`](crate::MixedShooting::shrinking_gaps) leads to it from here.
+    /// [`ShrinkingGaps`](crate::ShrinkingGaps) leads to it from here.
     pub fn touches_at_rest(&self) -> bool {
         self.opening.iter().any(|o| *o > 0.0)
     }

@@ -46,7 +46,7 @@ pub fn write(arguments: &Arguments) -> Status {
         let job = ArrayJob {
             study: arguments.place.path.display().to_string(),
             out: arguments.place.out.as_ref().map(|out| out.display().to_string()),
-            program: crate::command::program().display().to_string(),
+            program: crate::program::path().display().to_string(),
             name: name.clone(),
             shards,
             jobs,

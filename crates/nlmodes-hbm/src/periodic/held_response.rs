@@ -110,10 +110,11 @@ impl HeldResponse {
 
     /// The kinetic energy of harmonic `n`, of cosines and sines one after the other.
     fn add_energy(&mut self, nu2: f64, slope: f64, block: &mut HarmonicBlock) {
-        let Self { held, plane, energy, kept, b, q, .. } = self;
+        let Self { held, plane, energy, kept, b, q, is_even, .. } = self;
         let c = kept.len();
-        let parts: [(fn(&Complex64) -> f64, Complex64); 2] = [(|z| z.re, Complex64::ONE), (|z| z.im, -Complex64::I)];
-        for (part, unit) in parts.into_iter().take(if self.is_even { 1 } else { 2 }) {
+        for is_sine in [false, true].into_iter().take(if *is_even { 1 } else { 2 }) {
+            let part = |z: &Complex64| if is_sine { z.im } else { z.re };
+            let unit = if is_sine { -Complex64::I } else { Complex64::ONE };
             for i in 0..c {
                 b[i] = part(&block.x[i]);
                 q[i] = b[i] - part(&kept[i]);
