@@ -33,11 +33,11 @@ impl Stability {
         Self { stable, largest_multiplier: [re, im.abs()], error: Some(error) }
     }
 
-    /// Whether the error of the largest multiplier is at most `margin` times its distance from the unit circle and
-    /// `margin` times itself; that of a conservative motion has none.
-    pub fn is_certain(&self, margin: f64) -> bool {
+    /// Error of the largest multiplier over its distance from the unit circle, or over itself where that is less; zero
+    /// for a conservative motion, whose multipliers have none.
+    pub fn doubt(&self) -> f64 {
         let size = self.magnitude();
-        self.error.is_none_or(|error| error <= margin * size.min((size - 1.0).abs()))
+        self.error.map_or(0.0, |error| error / size.min((size - 1.0).abs()).max(f64::MIN_POSITIVE))
     }
 
     /// Magnitude of the largest multiplier, unless its error is as large: then it is no number to be shown.
@@ -101,11 +101,11 @@ mod tests {
 
     #[test]
     fn a_multiplier_is_certain_far_from_the_unit_circle_and_shown_unless_its_error_is_as_large() {
-        let certain = |size, error| Stability::damped([0.0, size], error).is_certain(0.25);
+        let certain = |size, error| Stability::damped([0.0, size], error).doubt() <= 0.25;
         assert!(certain(1.5, 0.1) && !certain(1.3, 0.1) && certain(0.5, 0.12) && !certain(0.5, 0.13));
         // Far inside, the multiplier itself is the measure.
         assert!(certain(0.1, 0.025) && !certain(0.1, 0.03));
-        assert!(Stability::conservative(true, [1.0, 0.0]).is_certain(0.25));
+        assert_eq!(Stability::conservative(true, [1.0, 0.0]).doubt(), 0.0);
         assert_eq!(Stability::damped([-678.0, 0.0], 677.0).known_magnitude(), Some(678.0));
         assert_eq!(Stability::damped([-678.0, 0.0], 678.0).known_magnitude(), None);
         assert_eq!(Stability::conservative(false, [2.0, 0.0]).known_magnitude(), Some(2.0));

@@ -91,22 +91,30 @@ impl Curve<'_> {
     }
 
     /// Stability by the exact motions next to the points in contact at which the estimate from the instants in
-    /// harmonics is not certain. Where there is none, an estimate that hardly decides is left open. What is left when
-    /// the time for it is used up keeps its estimate.
+    /// harmonics is least certain. Where there is none, an estimate that hardly decides is left open.
     fn decide(&mut self, points: &mut [ResponsePoint]) {
         let (system, settings) = (&self.system, self.settings);
         let mut budget = settings.budget();
         let touches = |point: &ResponsePoint| point.motion.contacts.iter().any(|contact| contact.closed_share > 0.0);
-        // A loss of stability stands where the estimate passes the unit circle.
-        for point in points.iter_mut().filter(|point| touches(point) && !point.events.iter().any(is_loss)) {
-            let Some(estimate) = point.stability.filter(|s| !s.is_certain(settings.multiplier_margin)) else {
-                continue;
-            };
-            let found = budget.spend(&settings.watch, |_| {
-                exact_stability(system.structure(), system.load(), &point.motion, settings.same_motion)
+        let doubt = |point: &ResponsePoint| point.stability.map_or(0.0, |estimate| estimate.doubt());
+        let mut open: Vec<&mut ResponsePoint> = points
+            .iter_mut()
+            // A loss of stability stands where the estimate passes the unit circle.
+            .filter(|point| touches(point) && doubt(point) > settings.multiplier_margin)
+            .filter(|point| !point.events.iter().any(is_loss))
+            .collect();
+        open.sort_by(|a, b| doubt(b).total_cmp(&doubt(a)));
+        for (k, point) in open.into_iter().enumerate() {
+            let found = (k < settings.exact_motions).then(|| {
+                budget.spend(&settings.watch, |_| {
+                    exact_stability(system.structure(), system.load(), &point.motion, settings.same_motion)
+                })
             });
-            let stable = estimate.stable.filter(|_| estimate.is_certain(settings.verdict_margin));
-            point.stability = Some(found.unwrap_or(Stability { stable, ..estimate }));
+            if let Some(found) = found.flatten() {
+                point.stability = Some(found);
+            } else if doubt(point) > settings.verdict_margin {
+                point.stability = point.stability.map(|estimate| Stability { stable: None, ..estimate });
+            }
         }
     }
 

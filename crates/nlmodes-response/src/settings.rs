@@ -34,8 +34,11 @@ pub struct ResponseSettings {
     /// Error of the largest multiplier, over its distance from the unit circle and over itself, from which on the exact
     /// motion next to a point is sought, whose multipliers then decide. Default 1 %.
     pub multiplier_margin: f64,
-    /// The same up to which the estimate decides where no exact motion is found. Default a third.
+    /// The same up to which the estimate decides where no exact motion is found or sought. Default a third.
     pub verdict_margin: f64,
+    /// Most points of a curve next to which exact motions are sought, of those in contact with the least certain
+    /// estimates. Default 12: a search takes up to half a second.
+    pub exact_motions: usize,
     /// Largest difference of the fundamentals of the gaps up to which an exact motion is that of the point, over the
     /// fundamental. Default 1 %.
     pub same_motion: f64,
@@ -72,6 +75,7 @@ impl ResponseSettings {
             stability_budget_s: None,
             multiplier_margin: 1e-2,
             verdict_margin: 1.0 / 3.0,
+            exact_motions: 12,
             same_motion: 1e-2,
             finer: None,
             max_points: 2000,

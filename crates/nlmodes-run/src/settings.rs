@@ -25,6 +25,10 @@ pub struct Models {
     pub state: Option<StaticState>,
 }
 
+/// Modes up to which the stability of a branch is found unasked, within its budget: those of any structure that is
+/// reduced by default.
+const STABILITY_MODES: usize = 40;
+
 /// A structure in free-interface modes, if it is reduced by them, and its static state, if it has one.
 pub type Checked = (Option<OpenStructure>, Option<StaticState>);
 
@@ -69,6 +73,7 @@ pub fn branch_settings(scene: &Scene) -> BranchSettings {
             StabilityChoice::Always => StabilityRule::Always,
             StabilityChoice::Never => StabilityRule::Never,
         },
+        stability_modes: STABILITY_MODES,
         stability_budget_s: scene.stability_budget_s,
         mode: method.mode,
         harmonics: method.harmonics,

@@ -396,6 +396,7 @@ fn settings(model: &Model, scene: &Scene, job: &Job<'_>) -> ResponseSettings {
     let mut levels: Vec<f64> = over_frequency.flat_map(|r| &r.levels).chain(&response.levels).copied().collect();
     levels.sort_by(f64::total_cmp);
     levels.dedup();
+    let settings = ResponseSettings::new(window);
     ResponseSettings {
         harmonics: method.harmonics,
         switching: match method.switching {
@@ -409,10 +410,14 @@ fn settings(model: &Model, scene: &Scene, job: &Job<'_>) -> ResponseSettings {
         subharmonic: response.subharmonic,
         stability: scene.stability != StabilityChoice::Never,
         stability_budget_s: scene.stability_budget_s,
+        exact_motions: match scene.stability {
+            StabilityChoice::Always => usize::MAX,
+            _ => settings.exact_motions,
+        },
         finer: Some(FinerSettings::default()),
         max_points: scene.continuation.max_points,
         max_branches: scene.continuation.max_branches,
         levels,
-        ..ResponseSettings::new(window)
+        ..settings
     }
 }

@@ -88,9 +88,6 @@ fn duffings_oscillator_returns_after_its_period_with_the_order_of_the_steps() {
         moved(&structure, &[amplitude, 0.0], duration).0
     };
     let exact = with(48.0);
-    for n in [6.0, 8.0, 9.0, 10.0, 12.0, 14.0, 16.0, 20.0, 24.0, 32.0] {
-        eprintln!("{n} {:e}", distance(&with(n), &exact));
-    }
     // Errors scatter with the phases that the steps meet: the order is that over three times as many of them.
     let errors = [8.0, 24.0].map(|steps: f64| distance(&with(steps), &exact));
     let order = (errors[0] / errors[1]).ln() / 3.0_f64.ln();

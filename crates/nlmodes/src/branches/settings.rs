@@ -110,6 +110,9 @@ pub struct BranchSettings {
     pub internal_resonance: ResonanceRule,
     /// For which points Floquet multipliers are computed. Default where that is cheap.
     pub stability: StabilityRule,
+    /// Modes of a structure up to which [`StabilityRule::Auto`] finds the multipliers of motions in harmonics: with
+    /// these they cost no more than the motions themselves. Default 16.
+    pub stability_modes: usize,
     /// Wall time for the stability of points in harmonics, s: of what comes after it none is computed, which the end of
     /// the branch tells. Default ten times that of the branch, and twenty seconds at least.
     pub stability_budget_s: Option<f64>,
@@ -141,6 +144,7 @@ impl Default for BranchSettings {
             max_branches: 20,
             internal_resonance: ResonanceRule::Follow,
             stability: StabilityRule::Auto,
+            stability_modes: 16,
             stability_budget_s: None,
             max_points: 5000,
             step: StepSettings::default(),

@@ -11,9 +11,7 @@ use nlmodes_timestep::{GalerkinReduction, MAX_SHOOTING_MODES, ModeShooting};
 use super::periodic::Periodic;
 use super::{BranchMethod, BranchSettings, StabilityRule, Watch};
 
-/// Modes up to which the multipliers of a motion in harmonics are found unasked: those of any structure that is reduced
-/// by default; and contacts.
-const CHEAP: usize = 40;
+/// Contacts up to which multipliers are found unasked.
 const FEW: usize = 16;
 
 /// Distance in scaled unknowns, over their length, up to which an exact motion counts as that of a point in harmonics,
@@ -45,11 +43,11 @@ impl Probe {
         let most = match (settings.method, settings.stability) {
             (_, StabilityRule::Never) => return Self::Silent,
             (BranchMethod::Shooting, _) => return Self::Exact,
-            (BranchMethod::HarmonicBalance, StabilityRule::Auto) => CHEAP,
+            (BranchMethod::HarmonicBalance, StabilityRule::Auto) => settings.stability_modes,
             (BranchMethod::HarmonicBalance, StabilityRule::Always) => MAX_SHOOTING_MODES,
         };
         let size = model.linear_dofs().len();
-        let is_large = size > 4 * CHEAP || model.contact_dofs().len() > FEW;
+        let is_large = size > 4 * settings.stability_modes || model.contact_dofs().len() > FEW;
         if settings.stability == StabilityRule::Auto && is_large {
             return Self::Silent;
         }
