@@ -25,7 +25,8 @@ pub(crate) fn exact_stability(
     }
     let of = forced(structure, load, point.at.omega).ok()?;
     let motion = of.periodic(point.at.level, point.at.omega, 1, &state(structure, point)).ok()?;
-    if !(distance(point, &motion) <= same) {
+    let off = distance(point, &motion);
+    if off.is_nan() || off > same {
         return None;
     }
     let largest = motion.multipliers.first()?;

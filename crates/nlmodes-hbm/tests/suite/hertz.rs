@@ -143,8 +143,11 @@ fn a_mass_between_two_hertz_stops_that_touch_has_the_period_of_the_beta_function
     }
 }
 
+/// Contacts with their laws.
+type Laws = Vec<(usize, Arc<dyn ForceLaw>)>;
+
 /// A rod in few modes before a rigid stop and, behind its node, two stops with a law of force and a cubic spring.
-fn before_stops(length: f64, dissipation: f64) -> (Open, Vec<(usize, Arc<dyn ForceLaw>)>, ModalStructure) {
+fn before_stops(length: f64, dissipation: f64) -> (Open, Laws, ModalStructure) {
     let stops = [(2, Side::Negative, 0.45 * length)];
     let open = Open::lowest(&on_springs(&rod(6, 1.0, 1.0, 1.0, &stops), &[3.0, 3.0]), 4);
     let stiff = open.omega_squared[0];

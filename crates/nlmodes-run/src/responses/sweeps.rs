@@ -112,7 +112,10 @@ fn duration(response: &Response, model: &Model) -> Option<f64> {
 }
 
 /// A part of a complex amplitude, and the phase of its cosine, rad.
-type Part = (fn(&Complex64) -> f64, f64);
+type Part = (OfAmplitude, f64);
+
+/// Real or negative imaginary part of a complex amplitude.
+type OfAmplitude = fn(&Complex64) -> f64;
 
 /// The structure under a load whose frequency is swept.
 struct Driven {
@@ -138,7 +141,7 @@ impl Driven {
         let Some(row) = rows.first() else { return Err(RunError::NoScene) };
         let mut signals = Vec::new();
         // Of each load its term, and which part of that it is.
-        let mut inputs: Vec<(usize, fn(&Complex64) -> f64)> = Vec::new();
+        let mut inputs: Vec<(usize, OfAmplitude)> = Vec::new();
         for (number, term) in model.response().terms().iter().enumerate() {
             // Re(p e^{inφ}) = Re p cos nφ − Im p cos(nφ − π/2).
             let parts: [Part; 2] = [(|p| p.re, 0.0), (|p| -p.im, -0.5 * PI)];
