@@ -24,6 +24,8 @@ at_m = 1.0
 direction = "axial"
 side = "positive"
 gap_m = 1e-3
+[method]
+harmonics = 3
 [continuation]
 max_energy_ratio = 3.0
 """

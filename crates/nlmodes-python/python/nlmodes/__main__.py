@@ -2,4 +2,5 @@
 
 from ._command import main
 
-main("python -m nlmodes")
+if __name__ == "__main__":
+    main("python -m nlmodes")
