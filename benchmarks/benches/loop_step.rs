@@ -1,4 +1,5 @@
-//! Processor time of one sample: the loop alone with each detector, and a whole test without and with controlled harmonics.
+//! Processor time of one sample: the loop alone with each detector, and a whole test without and with controlled
+//! harmonics.
 
 use std::hint::black_box;
 

@@ -7,28 +7,7 @@ import sysconfig
 from pathlib import Path
 
 import pytest
-
-SCENE = """
-[structure]
-kind = "rod"
-length_m = 1.0
-elements = 8
-start = "clamped"
-[structure.material]
-youngs_modulus_pa = 210e9
-density_kg_m3 = 7800.0
-[structure.section]
-area_m2 = 1e-4
-[[contact]]
-at_m = 1.0
-direction = "axial"
-side = "positive"
-gap_m = 1e-3
-[method]
-harmonics = 3
-[continuation]
-max_energy_ratio = 3.0
-"""
+from nlmodes._native import toml_of
 
 NAMES = [
     [str(Path(sysconfig.get_path("scripts")) / "nlmodes")],
@@ -42,8 +21,8 @@ def call(program, *arguments, cwd):
 
 
 @pytest.mark.parametrize("program", NAMES)
-def test_results_are_those_of_the_program(program, tmp_path):
-    (tmp_path / "rod.toml").write_text(SCENE)
+def test_results_are_those_of_the_program(program, rod, tmp_path):
+    (tmp_path / "rod.toml").write_text(toml_of(rod))
     own = call(program, "run", "rod.toml", "--out", "own", "--quiet", cwd=tmp_path)
     other = call([os.environ["NLMODES_CLI"]], "run", "rod.toml", "--out", "other", "--quiet", cwd=tmp_path)
     assert (own.returncode, other.returncode) == (0, 0), own.stderr + other.stderr
@@ -52,8 +31,8 @@ def test_results_are_those_of_the_program(program, tmp_path):
 
 
 @pytest.mark.parametrize("program", NAMES)
-def test_what_is_wrong_is_said_with_status_2(program, tmp_path):
-    (tmp_path / "rod.toml").write_text(SCENE.replace("gap_m", "gapp_m"))
+def test_what_is_wrong_is_said_with_status_2(program, rod, tmp_path):
+    (tmp_path / "rod.toml").write_text(toml_of(rod).replace("gap_m", "gapp_m"))
     outcome = call(program, "check", "rod.toml", cwd=tmp_path)
     assert outcome.returncode == 2 and "gapp_m" in outcome.stderr, outcome.stderr
     outcome = call(program, "rnu", "rod.toml", cwd=tmp_path)
@@ -61,8 +40,8 @@ def test_what_is_wrong_is_said_with_status_2(program, tmp_path):
     assert call(program, "--version", cwd=tmp_path).stdout.startswith("nlmodes-cli ")
 
 
-def test_a_job_of_slurm_calls_the_program_that_wrote_it(tmp_path):
-    (tmp_path / "rod.toml").write_text(SCENE)
+def test_a_job_of_slurm_calls_the_program_that_wrote_it(rod, tmp_path):
+    (tmp_path / "rod.toml").write_text(toml_of(rod))
     (tmp_path / "study.toml").write_text(
         'scene = "rod.toml"\n[design]\nkind = "grid"\n[[vary]]\nkey = "contact.0.gap_m"\nvalues = [1e-3, 2e-3]\n'
         '[[quantity]]\nname = "f"\nof = "frequency_hz"\nat = { energy_ratio = 2.0 }\n'

@@ -33,8 +33,11 @@ pub(crate) fn exact_stability(
     Some(Stability::damped([largest.re, largest.im], LEFT * largest.norm().max(1.0)))
 }
 
-/// The structure under its load at a base frequency (rad/s), for exact integration.
-fn forced(structure: &ModalStructure, load: &Load, omega: f64) -> Result<ForcedStructure, TimestepError> {
+/// A structure for exact integration: modes, residual flexibility, stops and steady force; without laws and loads.
+///
+/// # Errors
+/// [`TimestepError`] for a structure that cannot be integrated exactly.
+pub fn exact_structure(structure: &ModalStructure) -> Result<ForcedStructure, TimestepError> {
     let (m, c) = (structure.n_moving(), structure.n_contacts());
     let damping = Mat::from_fn(m, m, |i, j| structure.damping().entry(i, j));
     let rows = Mat::from_fn(c, m, |i, k| structure.rows()[(i, k)]);
@@ -48,6 +51,13 @@ fn forced(structure: &ModalStructure, load: &Load, omega: f64) -> Result<ForcedS
     if !structure.steady_force().is_empty() {
         forced.set_steady_force(&structure.steady_force()[..m])?;
     }
+    Ok(forced)
+}
+
+/// The structure under its load at a base frequency, rad/s.
+fn forced(structure: &ModalStructure, load: &Load, omega: f64) -> Result<ForcedStructure, TimestepError> {
+    let (m, c) = (structure.n_moving(), structure.n_contacts());
+    let mut forced = exact_structure(structure)?;
     for term in load.terms() {
         let by = omega.powi(term.omega_power);
         let scaled = |of: &[Complex64]| of.iter().map(|v| v * by).collect::<Vec<_>>();

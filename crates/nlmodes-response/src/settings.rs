@@ -37,7 +37,7 @@ pub struct ResponseSettings {
     /// The same up to which the estimate decides where no exact motion is found or sought. Default a third.
     pub verdict_margin: f64,
     /// Most points of a curve next to which exact motions are sought, of those in contact with the least certain
-    /// estimates. Default 12: a search takes up to half a second.
+    /// estimates. Default 12: next to all of them, curves take some ten times as long.
     pub exact_motions: usize,
     /// Largest difference of the fundamentals of the gaps up to which an exact motion is that of the point, over the
     /// fundamental. Default 1 %.

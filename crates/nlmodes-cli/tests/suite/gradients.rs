@@ -165,8 +165,8 @@ fn gradients_of_a_response_are_those_of_runs_that_end_at_the_same_frequency() ->
     Ok(())
 }
 
-/// At the rows with the largest amplitude and the largest contact force the derivatives are those of these maxima, which
-/// lie between the steps of a curve and move in frequency with most parameters.
+/// At the rows with the largest amplitude and the largest contact force the derivatives are those of these maxima,
+/// which lie between the steps of a curve and move in frequency with most parameters.
 #[test]
 fn gradients_of_a_peak_are_those_of_the_peaks_of_other_runs() -> Outcome {
     let keys = [

@@ -17,7 +17,8 @@ type Outcome<T = ()> = Result<T, Box<dyn Error>>;
 /// Ratio up to which the numbers of both ways may differ, over the largest of their column.
 const SAME: f64 = 1e-8;
 
-/// Without stability: at grazing, and where the exact motion beside a point is just found, rounding decides what is said.
+/// Without stability: at grazing, and where the exact motion beside a point is just found, rounding decides what is
+/// written.
 const MODE: &str = "[method]\nharmonics = 3\n[continuation]\nmax_energy_ratio = 3.0\n[output]\nstability = \"never\"\n";
 
 fn call(folder: &TempDir, arguments: &[&str]) -> Outcome<Output> {
