@@ -40,12 +40,12 @@ pub(crate) fn mutant(number: u32) -> bool {
 
 # What is wrong; crate; file; what stands there; what stands there in the copy, `M` being true where the error is switched on.
 ERRORS = [
-    ("sign of the inertia in eq. (8)", "hbm", "transfer.rs", "let delta = mode.lambda - nu2;",
-     "let delta = mode.lambda - (if M { -nu2 } else { nu2 });"),
-    ("½ instead of ¼ in the mean kinetic energy, eq. (16)", "hbm", "energy.rs", "self.value = 0.25 * nu2 * (eta * eta + q * inertia);",
-     "self.value = (if M { 0.5 } else { 0.25 }) * nu2 * (eta * eta + q * inertia);"),
-    ("half the strain energy in the total", "hbm", "motion.rs", "total_energy: kinetic + strain,",
-     "total_energy: kinetic + (if M { 0.5 } else { 1.0 }) * strain,"),
+    ("sign of the inertia in eq. (8)", "hbm", "periodic/contact_response.rs", "let d = self.structure.omega_squared()[mode] - nu * nu;",
+     "let d = self.structure.omega_squared()[mode] - (if M { -nu } else { nu }) * nu;"),
+    ("½ instead of ¼ in the mean kinetic energy, eq. (16)", "hbm", "periodic/contact_response.rs", "kinetic.value = 0.5 * half * (e + eta * eta);",
+     "kinetic.value = (if M { 1.0 } else { 0.5 }) * half * (e + eta * eta);"),
+    ("half the strain energy in the total", "hbm", "periodic/motion.rs", "sum(&kinetic) + strain + self.laws.mean_potential()",
+     "sum(&kinetic) + (if M { 0.5 } else { 1.0 }) * strain + self.laws.mean_potential()"),
     ("the energy of modal problems without its fundamental", "hbm", "periodic/system.rs",
      "kinetic_energy: self.blocks.iter().map(|block| block.kinetic.value).sum(),",
      "kinetic_energy: self.blocks.iter().skip(if M { 2 } else { 0 }).map(|block| block.kinetic.value).sum(),"),

@@ -82,9 +82,10 @@ fn problem(model: MasslessContactModel, harmonics: usize) -> Result<(MixedShooti
     let start = grazing(structure, 1)?;
     let settings = MixedShootingSettings { harmonics, symmetry: Symmetry::Even, switching: Switching::Exact };
     let problem = MixedShooting::new(structure, settings, start.scales(), solver_by_name("active-set")?.as_ref())?;
-    let mut x = start.unknowns(problem.series(), problem.dim());
-    x[0] -= 0.2;
-    x[1] += 0.4;
+    let (mut x, _) = problem.start(&start);
+    // The gap of the stop opens in the mean, and closes once a period.
+    x[0] += 0.2;
+    x[1] -= 0.4;
     Ok((problem, x))
 }
 

@@ -159,7 +159,12 @@ impl Reference {
     pub fn unknowns(&self, structure: &CondensedStructure, harmonics: usize) -> Result<Vec<f64>, Failure> {
         let (model, start) = (structure.model(), grazing(structure, 1)?);
         let k_nn = DenseLu::factor(model.k_nn())?;
-        let n = structure.n_contact_dofs();
+        // The first contact of each direction sees them.
+        let w = model.w();
+        let toward = |d: usize| (0..w.ncols()).find(|&i| w[(d, i)] != 0.0).map_or((0, 0.0), |i| (i, w[(d, i)]));
+        let mut seen: Vec<(usize, f64, usize)> =
+            (0..structure.n_contact_dofs()).map(|d| (toward(d).0, toward(d).1, d)).collect();
+        seen.sort_by_key(|(contact, ..)| *contact);
         let positions: Vec<Vec<f64>> = self.displacements.iter().map(|q| free_position(model, &k_nn, q)).collect();
         let cosine = |d: usize, n: usize| {
             let phase = |j: usize| TAU * ((n * j) % INSTANTS) as f64 / INSTANTS as f64;
@@ -167,7 +172,7 @@ impl Reference {
             sum * if n == 0 { 1.0 } else { 2.0 } / INSTANTS as f64 / start.scales().length
         };
         let mut z: Vec<f64> =
-            (0..n).flat_map(|d| (0..=harmonics).map(move |m| (d, m))).map(|(d, m)| cosine(d, m)).collect();
+            seen.iter().flat_map(|&(_, w, d)| (0..=harmonics).map(|m| w * cosine(d, m)).collect::<Vec<_>>()).collect();
         z.extend([self.omega / start.omega, self.parameter_of(structure)?]);
         Ok(z)
     }

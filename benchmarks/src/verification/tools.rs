@@ -132,7 +132,7 @@ pub fn mode<'s>(
 /// The branch from grazing to this averaged kinetic energy, J.
 pub fn follow(problem: &mut MixedShooting, start: &Grazing, energy: f64) -> Result<Branch, Failure> {
     let (n, to) = (problem.dim(), (energy / start.energy).ln());
-    let (x, direction) = (start.unknowns(problem.series(), n), start.direction(problem.series(), n));
+    let (x, direction) = problem.start(start);
     let bounds = vec![Bound { coordinate: n, min: -1.0, max: to }];
     let branch = Continuation { bounds, ..Continuation::default() }
         .run(problem, &x, 0.0, &direction, |_| ControlFlow::Continue(()))?;

@@ -40,10 +40,10 @@ fn branch(harmonics: usize) -> Result<Vec<ModalPoint>, Box<dyn Error>> {
     let settings = MixedShootingSettings { harmonics, symmetry: Symmetry::Even, switching: Switching::Exact };
     let solver = solver_by_name("active-set")?;
     let mut problem = MixedShooting::new(&structure, settings, start.scales(), solver.as_ref())?;
-    let (n, series) = (problem.dim(), problem.series());
+    let n = problem.dim();
     let energy = Bound { coordinate: n, min: -1.0, max: 10_f64.ln() };
     let method = Continuation { bounds: vec![energy], ..Continuation::default() };
-    let (x, direction) = (start.unknowns(series, n), start.direction(series, n));
+    let (x, direction) = problem.start(&start);
     let branch = method.run(&mut problem, &x, 0.0, &direction, |_| ControlFlow::Continue(()))?;
     let points = branch.points.iter().map(|point| problem.modal_point(&point.x, point.residual));
     Ok(points.collect::<Result<_, _>>()?)

@@ -1,77 +1,85 @@
-use std::sync::Arc;
-
-use nlmodes_contact::{ContactBody, LcpMatrix};
-use nlmodes_linalg::Mat;
+use nlmodes_contact::{LcpMatrix, LcpSolver, solver_by_name};
+use nlmodes_linalg::{DenseLu, Mat, max_norm, multiply};
+use nlmodes_modal::HarmonicCoefficients;
 use nlmodes_model::{ContactCoordinates, MasslessContactModel};
-use nlmodes_reduction::{HeldMode, HeldModes};
+use nlmodes_reduction::{GalerkinReduction, OpenModes, ResponseRows, RestState};
+use num_complex::Complex64;
 
-use crate::HbmError;
-use crate::energy::inner;
-use crate::held_sums::HeldSums;
-use crate::recording::Recording;
+use crate::closed_set::ClosedSet;
+use crate::periodic::{Coordinates, ModalDamping, ModalStructure, PeriodicSettings, PeriodicSystem};
+use crate::{Grazing, HbmError, MixedShootingSettings, Scales};
 
-/// A structure with massless contacts, reduced once to what the periodic problem needs.
+/// Most degrees of freedom of which modal points hold all coefficients.
 ///
-/// With the modes of the held structure, `K_LL φ_k = λ_k M_LL φ_k`, eq. (8) reads
+/// A structure with more is recorded at evenly spaced nodes, half of that number, and at its contacts: a hundred
+/// thousand degrees of freedom with five harmonics would else need 10 MB a point.
+pub const MAX_RECORDED: usize = 4000;
+
+/// Largest stiffness of a contact spring over the static stiffness of the structure behind it. The force is `k_c` times
+/// a small difference of displacements, which has lost as many digits as this ratio has: with 1e9 Newton's method does
+/// not settle to seven any more.
+const STIFFEST: f64 = 5e8;
+
+/// Contact force at rest, over the largest one, up to which a contact touches without force.
+const ROUNDING: f64 = 1e-11;
+
+/// A structure with massless contacts, reduced once to what the periodic problem needs: all its modes with open
+/// contacts, [`OpenModes::all_of_massless`].
 ///
-/// ```text
-/// q_L,n = Ψ q_N,n + Σ_k (ν²/λ_k) φ_k η_k,n ,   η_k,n = −g_k q_N,n / (λ_k − ν²) ,   ν = nω ,   Ψ = −K_LL⁻¹ K_LN
-/// b_n   = −K_NN⁻¹ K_NL q_L,n = T(ν²) q_N,n
-/// T(ν²) = T_0 + Σ_k ν²/(λ_k (λ_k − ν²)) h_k g_k ,   T_0 = K_NN⁻¹ K_NL K_LL⁻¹ K_LN
-/// ```
+/// Of a structure with many degrees of freedom, fixed-interface modes and the residual of the static shapes are taken
+/// first, [`GalerkinReduction`]: modes beyond the computed ones answer as springs with the mass of their static shape,
+/// and what is left out falls with `ν⁴/λ³`.
 ///
-/// Modes beyond the computed ones answer as springs with the mass of their static shape: of their share of `T`,
-/// `K_NN⁻¹ R ν²` is kept, `R = Ψᵀ M_LL Ψ − Σ_k g_kᵀ g_k/λ_k²`, and of `q_L,n` likewise. What is left out falls with
-/// `ν⁴/λ³`. `b(t)` is where the massless contact nodes would be without stops. A stop's own compliance is in series
-/// with `K_NN⁻¹` and stands on the diagonal of `A` alone.
-///
-/// Where the massless coordinates are the tips of contact springs
-/// ([`ContactCoordinates::SpringTips`](nlmodes_model::ContactCoordinates)), the same formulas are conventional harmonic
-/// balance: `b` is the displacement of the contact node, which moves in harmonics with its mass, `A = diag(1/k_c)`, and
-/// `T = (K_c + D)⁻¹ K_c` with the dynamic stiffness `D(ν²)` of the structure at the contact.
+/// A stop's own compliance is in series with `A` and stands on its diagonal alone. Where the massless coordinates are
+/// the tips of contact springs ([`ContactCoordinates::SpringTips`]), the same equations are conventional harmonic
+/// balance: the contact node moves in harmonics with its mass, and `A = diag(1/k_c)`.
 #[derive(Debug, Clone)]
 pub struct CondensedStructure {
     pub(crate) model: MasslessContactModel,
-    /// What the equations of one harmonic need.
-    pub(crate) held: Arc<Held>,
-    pub(crate) shapes: Mat<f64>,
-    pub(crate) psi: Mat<f64>,
-    pub(crate) t0: Mat<f64>,
-    /// The contact degrees of freedom with `C = K_NN⁻¹`.
-    pub(crate) body: ContactBody,
-    /// What a steady force does with the contacts held.
-    pub(crate) statics: HeldStatics,
-    pub(crate) recording: Recording,
-    n_held: usize,
+    /// Of the structure, or of its reduction.
+    pub(crate) open: OpenModes,
+    pub(crate) modal: ModalStructure,
+    /// The same with what has no mass following at each instant, where it is not the same.
+    static_part: Option<ModalStructure>,
+    /// The degrees of freedom that modal points show, and their displacements.
+    recorded: Vec<usize>,
+    pub(crate) rows: ResponseRows,
+    /// `K_NN⁻¹ W`, n_N × c.
+    pub(crate) pressed: Mat<f64>,
+    /// Those of the contact coordinates in the modes, n_N × m: `b = F η`.
+    pub(crate) follow: Mat<f64>,
+    reduction: Option<GalerkinReduction>,
 }
 
 impl CondensedStructure {
-    /// Reduces `model` with its lowest `n_modes` held modes, all of them where there are fewer.
+    /// Reduces `model` with its lowest `n_modes` fixed-interface modes, all of them where there are fewer.
     ///
     /// # Errors
-    /// [`HbmError::ContactTooStiff`]; [`HbmError`] if the held structure still has a rigid-body mode or the contact
-    /// compliance is not usable.
+    /// [`HbmError::ContactTooStiff`]; [`HbmError`] if the structure with its contacts held still has a rigid-body mode
+    /// or the contact compliance is not usable.
     pub fn new(model: MasslessContactModel, n_modes: usize) -> Result<Self, HbmError> {
-        let held = HeldModes::new(&model, n_modes)?;
-        refuse_stiff_springs(&model, &held.transfer)?;
-        let statics = HeldStatics::new(&model, &held);
-        let residual = if held.is_all() { ResidualMass::none(&held.statics) } else { ResidualMass::new(&model, &held) };
-        let (k_nn, n_held) = (&held.contact_stiffness, held.count());
-        let gaps: Vec<f64> = model.contacts().iter().map(|c| c.gap).collect();
-        let body = ContactBody::new(model.w().clone(), k_nn.solve_columns(model.w()), gaps)
-            .and_then(|body| body.with_stop_compliance(&model.stop_compliance()))
-            .map_err(HbmError::Compliance)?;
-        let n_n = held.statics.ncols();
-        let inverse = k_nn.solve_columns(&Mat::identity(n_n, n_n));
-        let mut lift = statics.pull.clone();
-        if !lift.is_empty() {
-            k_nn.solve_in_place(&mut lift);
-        }
-        let HeldModes { modes, shapes, statics: psi, transfer: t0, .. } = held;
-        let sums = HeldSums::new(&modes, &inverse, &t0, &residual);
-        let recording = Recording::new(&model, &modes, &shapes, [&psi, &residual.shapes], &statics.sag);
-        let held = Arc::new(Held { modes, residual, sums, lift });
-        Ok(Self { model, held, shapes, psi, t0, body, statics, recording, n_held })
+        let keeps_all = n_modes >= model.linear_dofs().len();
+        let reduction = match keeps_all {
+            true => model.factor_k_ll().map(|_| None)?,
+            false => Some(GalerkinReduction::with_modes_at_rest(model.clone(), n_modes)?),
+        };
+        let open = OpenModes::all_of_massless(reduction.as_ref().map_or(&model, GalerkinReduction::model))?;
+        refuse_stiff_springs(&model, &open)?;
+        let modal = modal_structure(&open, reduction.as_ref().map_or(&model, GalerkinReduction::model))?;
+        let (modal, static_part) = match model.contact_coordinates() {
+            ContactCoordinates::Nodes => (modal, None),
+            // A contact node moves in harmonics, also one that has no mass.
+            ContactCoordinates::SpringTips => (modal.clone().with_flexibility_in_harmonics()?, Some(modal)),
+        };
+        let failed = |source| HbmError::Linalg { what: "stiffness K_NN of the contact degrees of freedom", source };
+        let pressed = DenseLu::factor(model.k_nn()).map_err(failed)?.solve_columns(model.w());
+        let rows = |dofs: &[usize]| match &reduction {
+            Some(reduction) => reduction.rows_of_dofs(&open, dofs),
+            None => open.rows_of_dofs(dofs),
+        };
+        let recorded = recorded(&model);
+        let (rows, follow) = (rows(&recorded)?, rows(model.contact_dofs())?.modes);
+        Ok(Self { model, open, modal, static_part, recorded, rows, pressed, follow, reduction })
     }
 
     /// The structure that was reduced.
@@ -79,154 +87,239 @@ impl CondensedStructure {
         &self.model
     }
 
-    /// Held modes that move the contacts, ascending.
-    pub fn modes(&self) -> &[HeldMode] {
-        &self.held.modes
+    /// Its modes with open contacts, on which all motions are built; of a reduced structure those of the reduction.
+    pub fn open_modes(&self) -> &OpenModes {
+        &self.open
     }
 
-    /// Held modes computed, with those that leave the contacts at rest.
+    /// Fixed-interface modes computed, with those that leave the contacts at rest.
     pub fn n_held_modes(&self) -> usize {
-        self.n_held
+        self.reduction.as_ref().map_or(self.model.linear_dofs().len(), GalerkinReduction::n_held_modes)
     }
 
-    /// Shapes of the held modes, n_L × modes.
-    pub fn shapes(&self) -> &Mat<f64> {
-        &self.shapes
+    /// Those of them that move the contacts.
+    pub fn n_coupled_modes(&self) -> usize {
+        let own = || (0..self.modal.n_modes()).filter(|&k| self.modal.moves_a_contact(k)).count();
+        self.reduction.as_ref().map_or_else(own, GalerkinReduction::n_coupled_modes)
+    }
+
+    /// Whether no mode was left out.
+    pub fn has_all_modes(&self) -> bool {
+        self.reduction.is_none()
+    }
+
+    /// Highest angular frequency of a mode that moves a contact, rad/s.
+    pub fn highest_frequency(&self) -> f64 {
+        let moving = (0..self.modal.n_modes()).filter(|&k| self.modal.moves_a_contact(k));
+        let own = || moving.map(|k| self.modal.omega_squared()[k]).fold(0.0, f64::max);
+        self.reduction.as_ref().map_or_else(own, GalerkinReduction::highest).sqrt()
+    }
+
+    /// Angular frequencies of the modes with open contacts, rad/s, ascending.
+    pub fn open_frequencies(&self) -> Vec<f64> {
+        self.modal.omega_squared().iter().map(|square| square.sqrt()).collect()
     }
 
     /// Degrees of freedom whose coefficients modal points hold, ascending: all of them up to
-    /// [`MAX_RECORDED`](crate::MAX_RECORDED), else some evenly spaced ones and those of the contacts.
+    /// [`MAX_RECORDED`], else some evenly spaced ones and those of the contacts.
     pub fn recorded_dofs(&self) -> &[usize] {
-        self.recording.dofs()
+        &self.recorded
     }
 
     /// Place of degree of freedom `dof` among the recorded ones, if it is one of them.
     pub fn recorded_index(&self, dof: usize) -> Option<usize> {
-        self.recording.dofs().binary_search(&dof).ok()
+        self.recorded.binary_search(&dof).ok()
     }
 
     /// Contact compliance `A = Wᵀ K_NN⁻¹ W + C`, eqs. (11), (13), with that of the stops in series; c × c, m/N.
     pub fn compliance(&self) -> &LcpMatrix {
-        self.body.matrix()
+        self.modal.compliance()
     }
 
     /// Number of contact degrees of freedom n_N.
     pub fn n_contact_dofs(&self) -> usize {
-        self.t0.nrows()
+        self.pressed.nrows()
     }
 
     /// Number of contacts c.
     pub fn n_contacts(&self) -> usize {
-        self.body.gaps().len()
+        self.modal.n_contacts()
+    }
+
+    /// Coordinates `Φᵀ M q_n` in the lowest `modes` modes of a motion of all degrees of freedom, modes × (H + 1), m·√kg.
+    ///
+    /// # Errors
+    /// [`HbmError::Size`] for a motion of some of them only.
+    pub fn modal_coordinates(
+        &self,
+        motion: &HarmonicCoefficients,
+        modes: usize,
+    ) -> Result<HarmonicCoefficients, HbmError> {
+        let (expected, found) = (self.model.dofs().len(), motion.n_coordinates());
+        if expected != found {
+            return Err(HbmError::Size { what: "degrees of freedom of a motion", expected, found });
+        }
+        let mut modal = HarmonicCoefficients::zeros(modes.min(self.open.n_modes()), motion.n_harmonics());
+        for n in 0..=motion.n_harmonics() {
+            for (unit, part) in [(Complex64::ONE, 0), (Complex64::I, 1)] {
+                let q: Vec<f64> = (0..found).map(|d| [motion.of(d)[n].re, motion.of(d)[n].im][part]).collect();
+                let reduced =
+                    self.reduction.as_ref().map(|reduction| Ok::<_, HbmError>((reduction, reduction.project(&q)?)));
+                let inertia = match reduced.transpose()? {
+                    Some((reduction, y)) => multiply(reduction.model().mass(), &y),
+                    None => multiply(self.model.mass(), &q),
+                };
+                for k in 0..modal.n_coordinates() {
+                    let along = self.open.shapes().col(k).iter().zip(&inertia).map(|(shape, m)| shape * m).sum::<f64>();
+                    modal.of_mut(k)[n] += unit * along;
+                }
+            }
+        }
+        Ok(modal)
+    }
+
+    /// Where the contact coordinates are without contact forces, `b = F η`, n_N.
+    pub(crate) fn contact_positions(&self, eta: &[f64]) -> Vec<f64> {
+        let along = |d: usize| eta.iter().zip(self.follow.row(d).iter()).map(|(eta, row)| row * eta).sum();
+        (0..self.n_contact_dofs()).map(along).collect()
+    }
+
+    /// A guess, before any solution is known, for the share of the fixed-interface modes left out in the relative error
+    /// of the frequency `omega` (rad/s) with these harmonics.
+    ///
+    /// At the amplitude of grazing, `q_N` is taken to have harmonics `n⁻²`, as a motion whose velocity jumps. Then by
+    /// Rayleigh's principle `|δω/ω| = Σ_n ν⁴/4 q_nᵀ S q_n / (2 E_av) = N_h ω⁴ q_1ᵀ S q_1/(8 E_av)`, over `1 − ν²/λ_m`
+    /// for the terms that follow, with what the reduction [leaves out](GalerkinReduction::left_out). Infinite where the
+    /// modes end below the highest harmonic.
+    pub fn held_modes_error(&self, start: &Grazing, omega: f64, harmonics: usize) -> f64 {
+        if self.has_all_modes() {
+            return 0.0;
+        }
+        let q: Vec<Complex64> = start.contact_amplitudes(self).into_iter().map(Complex64::from).collect();
+        let remainder = self.remainder(harmonics as f64 * omega);
+        let form = q.iter().zip(self.left_out(&q)).map(|(q, f)| (q.conj() * f).re).sum::<f64>();
+        let error = harmonics as f64 * omega.powi(4) * form.abs() / (8.0 * start.energy) / remainder;
+        if remainder > 0.0 { error } else { f64::INFINITY }
+    }
+
+    /// `S q` with what the reduction leaves out, n_N, N s⁴.
+    pub(crate) fn left_out(&self, q: &[Complex64]) -> Vec<Complex64> {
+        let s = self.reduction.as_ref().map(GalerkinReduction::left_out);
+        let row = |i: usize| s.map_or(Complex64::default(), |s| q.iter().enumerate().map(|(j, q)| q * s[(i, j)]).sum());
+        (0..q.len()).map(row).collect()
+    }
+
+    /// `1 − ν²/λ_m` with the highest fixed-interface mode kept.
+    pub(crate) fn remainder(&self, nu: f64) -> f64 {
+        1.0 - (nu / self.highest_frequency()).powi(2)
+    }
+
+    /// Energy at rest of a structure that a steady force presses onto its contacts, J, in which the total energy of its
+    /// motions is counted; zero of others.
+    ///
+    /// # Errors
+    /// [`HbmError`] where it does not rest.
+    pub fn energy_at_rest(&self) -> Result<f64, HbmError> {
+        if self.model.steady_force().is_none() {
+            return Ok(0.0);
+        }
+        let rest = self.rest()?;
+        let half = |a: &[f64], b: f64, i: usize| 0.5 * a[i] * b;
+        let modal = self.modal.omega_squared().iter().enumerate();
+        let strain: f64 = modal.map(|(k, square)| half(&rest.eta, square * rest.eta[k], k)).sum();
+        let a = self.statically().compliance().a();
+        let yields = |i: usize| (0..rest.forces.len()).map(|j| a[(i, j)] * rest.forces[j]).sum::<f64>();
+        let contact: f64 = (0..rest.forces.len()).map(|i| half(&rest.forces, yields(i), i)).sum();
+        let work: f64 = self.modal.steady_force().iter().zip(&rest.eta).map(|(p, eta)| p * eta).sum();
+        Ok(strain + contact - work)
+    }
+
+    /// The structure as it rests and moves in its linear modes, where what has no mass follows at each instant and in
+    /// harmonics alike.
+    pub(crate) fn statically(&self) -> &ModalStructure {
+        self.static_part.as_ref().unwrap_or(&self.modal)
+    }
+
+    /// A linear mode about this rest with the motion of what has no mass and is a coordinate of its own.
+    pub(crate) fn with_static_motion(&self, mut start: Grazing, rest: Option<&RestState>) -> Result<Grazing, HbmError> {
+        let (m, all) = (start.mean.len(), self.modal.n_modes());
+        let row = |i: usize, k: usize| self.modal.rows()[(i, k)];
+        let along = |forces: &[f64], k: usize| forces.iter().enumerate().map(|(i, f)| row(i, k) * f).sum::<f64>();
+        if let Some(rest) = rest.filter(|_| all > m) {
+            let set = ClosedSet::new(self.statically().compliance(), &rest.closed)?;
+            let moved: Vec<f64> =
+                (0..self.n_contacts()).map(|i| (0..m).map(|k| row(i, k) * start.shape[k]).sum()).collect();
+            let swing: Vec<f64> = (0..moved.len()).map(|i| set.force(i, &moved)).collect();
+            start.mean.extend((m..all).map(|k| along(&rest.forces, k)));
+            start.shape.extend((m..all).map(|k| along(&swing, k)));
+        }
+        start.mean.resize(all, 0.0);
+        start.shape.resize(all, 0.0);
+        Ok(start)
+    }
+
+    /// Where the structure rests against its stops; contacts that touch without force are open.
+    pub(crate) fn rest(&self) -> Result<RestState, HbmError> {
+        let solver = solver_by_name("active-set").map_err(HbmError::Compliance)?;
+        // What a steady force strains beside the rigid-body motions that it drives.
+        let model = self.reduction.as_ref().map_or(&self.model, GalerkinReduction::model);
+        let mut strains = model.steady_force().map(|steady| self.open.load(&steady.force)).transpose()?;
+        strains.iter_mut().for_each(|load| load.modal[..self.open.n_rigid()].fill(0.0));
+        let mut rest = self.open.rest(&strains.iter().collect::<Vec<_>>(), solver.as_ref())?;
+        let largest = max_norm(rest.forces.iter().copied());
+        rest.closed.iter_mut().zip(&rest.forces).for_each(|(closed, force)| *closed &= *force > ROUNDING * largest);
+        Ok(rest)
+    }
+
+    /// The equations of its conservative modes, in the motions of the contacts where these are few, else in modal
+    /// coordinates.
+    pub(crate) fn conservative_mode(
+        &self,
+        settings: MixedShootingSettings,
+        scales: Scales,
+        solver: &dyn LcpSolver,
+    ) -> Result<PeriodicSystem, HbmError> {
+        let MixedShootingSettings { harmonics, symmetry, switching } = settings;
+        let coordinates = Coordinates::of_few_contacts(&self.modal);
+        let settings = PeriodicSettings { harmonics, switching, coordinates };
+        PeriodicSystem::conservative_mode(&self.modal, symmetry, settings, scales, solver)
     }
 }
 
-/// The held structure as the contact nodes see it in one harmonic.
-#[derive(Debug)]
-pub(crate) struct Held {
-    /// The held modes that move the contacts, ascending.
-    pub modes: Vec<HeldMode>,
-    /// What the held modes that were not computed still contribute.
-    pub residual: ResidualMass,
-    /// The held modes once more, laid out for sums over all of them.
-    pub sums: HeldSums,
-    /// Where a steady force brings the contact nodes, `K_NN⁻¹ Ψᵀ f_L`, n_N, m; empty where there is none.
-    pub lift: Vec<f64>,
+/// The structure in its open modes, with what a steady force does on all of them.
+fn modal_structure(open: &OpenModes, model: &MasslessContactModel) -> Result<ModalStructure, HbmError> {
+    let modal = ModalStructure::of_open(open, ModalDamping::none(open.n_modes()))?;
+    let Some(steady) = model.steady_force() else { return Ok(modal) };
+    let mut on_modes = open.load(&steady.force)?.modal;
+    on_modes.iter_mut().zip(open.steady_force()).take(open.n_rigid()).for_each(|(p, rigid)| *p = *rigid);
+    modal.with_steady_force(on_modes)
 }
-
-impl Held {
-    /// Number of contact degrees of freedom n_N.
-    pub fn n_contact_dofs(&self) -> usize {
-        self.sums.size()
-    }
-}
-
-/// Static answer of the structure to a steady force `f` with its contacts held; all empty where there is none.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct HeldStatics {
-    /// `K_LL⁻¹ f_L`, n_L, m.
-    pub sag: Vec<f64>,
-    /// `Ψᵀ f_L`, n_N, N: what the contact nodes feel of it.
-    pub pull: Vec<f64>,
-    /// `−½ f_Lᵀ K_LL⁻¹ f_L`, J: energy of the structure and of the force, contacts held where they are drawn.
-    pub energy: f64,
-}
-
-impl HeldStatics {
-    fn new(model: &MasslessContactModel, held: &HeldModes) -> Self {
-        let Some(steady) = model.steady_force() else { return Self::default() };
-        let force: Vec<f64> = model.linear_dofs().iter().map(|&dof| steady.force[dof]).collect();
-        let along = |d: usize| (0..force.len()).map(|i| held.statics[(i, d)] * force[i]).sum::<f64>();
-        let pull: Vec<f64> = (0..held.statics.ncols()).map(along).collect();
-        let mut sag = force.clone();
-        held.stiffness.solve_in_place(&mut sag);
-        let energy = -0.5 * inner(&force, &sag);
-        Self { sag, pull, energy }
-    }
-}
-
-/// Largest stiffness of a contact spring over the static stiffness of the structure behind it. The force is `k_c` times
-/// a small difference of displacements, which has lost as many digits as this ratio has: with 1e9 Newton's method does
-/// not settle to seven any more.
-const STIFFEST: f64 = 5e8;
 
 /// Contact springs beside which the stiffness of the structure is lost in rounding: equations of harmonic balance in
 /// which any motion would pass for a solution.
-fn refuse_stiff_springs(model: &MasslessContactModel, t0: &Mat<f64>) -> Result<(), HbmError> {
-    if model.contact_coordinates() == ContactCoordinates::Nodes || model.rigid_motion().is_some() {
+fn refuse_stiff_springs(model: &MasslessContactModel, open: &OpenModes) -> Result<(), HbmError> {
+    if model.contact_coordinates() == ContactCoordinates::Nodes || open.floats() {
         return Ok(());
     }
-    // The spring in series with the structure: T_0 = 1 − 1/(1 + k_c/k).
-    let ratio = |d: usize| 1.0 / (1.0 - t0[(d, d)]).max(f64::EPSILON);
-    match (0..t0.nrows()).find(|&d| ratio(d) > STIFFEST) {
+    let ratio = |i: usize| {
+        let modes = open.omega_squared().iter().enumerate();
+        let modal: f64 = modes.map(|(k, square)| open.contact_rows()[(i, k)].powi(2) / square).sum();
+        1.0 + (open.flexibility()[(i, i)] + modal) / open.stop_compliance()[i]
+    };
+    match (0..open.n_contacts()).find(|&i| ratio(i) > STIFFEST) {
         Some(contact) => Err(HbmError::ContactTooStiff { contact, ratio: ratio(contact), most: STIFFEST }),
         None => Ok(()),
     }
 }
 
-/// Share of the held modes that were not computed, to first order in `ν²`.
-#[derive(Debug, Clone)]
-pub(crate) struct ResidualMass {
-    /// `R = Ψᵀ M_LL Ψ − Σ_k g_kᵀ g_k/λ_k²`, n_N × n_N.
-    pub mass: Mat<f64>,
-    /// `K_NN⁻¹ R`: its share of `T` is `ν²` times that.
-    pub transfer: Mat<f64>,
-    /// `K_LL⁻¹ M_LL Ψ + Σ_k φ_k g_k/λ_k²`, n_L × n_N: its share of `q_L,n` is `ν²` times that and `q_N,n`.
-    pub shapes: Mat<f64>,
-    /// The next term, which is left out and serves to estimate the error: `S = Σ_k g_kᵀ g_k/λ_k³` over the modes that
-    /// were not computed, which is `Ψᵀ M_LL` times `shapes`; n_N × n_N.
-    pub next: Mat<f64>,
-    /// `K_NN⁻¹ S`: of the share of `T`, at least `ν⁴` times that is left out.
-    pub next_transfer: Mat<f64>,
-}
-
-impl ResidualMass {
-    fn none(psi: &Mat<f64>) -> Self {
-        let zero = Mat::zeros(psi.ncols(), psi.ncols());
-        let shapes = Mat::zeros(psi.nrows(), psi.ncols());
-        Self { mass: zero.clone(), transfer: zero.clone(), shapes, next: zero.clone(), next_transfer: zero }
+/// All degrees of freedom, or those of every m-th node, of the last one and of the contacts.
+fn recorded(model: &MasslessContactModel) -> Vec<usize> {
+    let all = model.dofs();
+    if all.len() <= MAX_RECORDED {
+        return (0..all.len()).collect();
     }
-
-    fn new(model: &MasslessContactModel, held: &HeldModes) -> Self {
-        let (psi, k_nn) = (&held.statics, &held.contact_stiffness);
-        let inertia = model.m_ll().as_ref() * psi;
-        let mut mass = symmetric(&(psi.transpose() * &inertia));
-        let mut shapes = inertia.clone();
-        held.stiffness.solve_many(&mut shapes);
-        for mode in &held.modes {
-            let weight = 1.0 / (mode.lambda * mode.lambda);
-            for j in 0..mode.g.len() {
-                (0..mode.g.len()).for_each(|i| mass[(i, j)] -= weight * mode.g[i] * mode.g[j]);
-                (0..shapes.nrows()).for_each(|i| shapes[(i, j)] += weight * held.shapes[(i, mode.column)] * mode.g[j]);
-            }
-        }
-        let transfer = k_nn.solve_columns(&mass);
-        let next = symmetric(&(inertia.transpose() * &shapes));
-        let next_transfer = k_nn.solve_columns(&next);
-        Self { mass, transfer, shapes, next, next_transfer }
-    }
-}
-
-fn symmetric(a: &Mat<f64>) -> Mat<f64> {
-    Mat::from_fn(a.nrows(), a.ncols(), |i, j| 0.5 * (a[(i, j)] + a[(j, i)]))
+    let stride = all.len().div_ceil(MAX_RECORDED / 2);
+    let last = all.iter().map(|d| d.node).max().unwrap_or(0);
+    let is_contact = |i: usize| model.contacts().iter().any(|c| c.dof == i);
+    (0..all.len()).filter(|&i| all[i].node.is_multiple_of(stride) || all[i].node == last || is_contact(i)).collect()
 }

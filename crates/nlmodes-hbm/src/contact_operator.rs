@@ -9,9 +9,9 @@ use num_complex::Complex64;
 use crate::HbmError;
 use crate::boundary::around_the_period;
 use crate::closed_set::SetTable;
-use crate::energy::inner;
 use crate::series::{RealSeries, Symmetry};
 use crate::switching::Tracer;
+use crate::trigonometric::inner;
 
 /// How the instants of touching and leaving are treated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -189,7 +189,7 @@ pub enum HbmError {
     /// The contact compliance cannot be used.
     #[error("the contact compliance")]
     Compliance(#[source] LcpError),
-    /// The structure with its contacts held cannot be factored.
+    /// A factorisation or an eigenproblem failed.
     #[error("{what}")]
     Linalg {
         /// What was being computed.
@@ -201,8 +201,8 @@ pub enum HbmError {
     /// The linear model.
     #[error("the linear model")]
     Model(#[from] ModelError),
-    /// The reduction to the modes with the contacts held.
-    #[error("the reduction to the modes with the contacts held")]
+    /// The reduction to modes.
+    #[error("the reduction to modes")]
     Reduction(#[source] ReductionError),
     /// The Fourier basis.
     #[error("the Fourier basis")]

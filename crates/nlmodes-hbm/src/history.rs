@@ -5,8 +5,8 @@ use nlmodes_model::DofContact;
 
 use crate::closed_set::ClosedSet;
 use crate::contact_operator::{ContactOperator, PatternInterval};
-use crate::energy::inner;
 use crate::trigonometric::evaluate;
+use crate::trigonometric::inner;
 use crate::{HbmError, MixedShooting, Symmetry};
 
 /// Largest deviations from what a motion with contact must satisfy, over the samples of a period, in scaled units.

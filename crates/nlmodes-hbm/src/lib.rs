@@ -9,8 +9,7 @@
 //!
 //! | symbol | meaning | unit | shape | item |
 //! | --- | --- | --- | --- | --- |
-//! | `λ_k`, `φ_k` | modes with the contacts held | rad²/s², 1/√kg | | [`HeldMode`] |
-//! | `T(ν²)` | `b_n = T q_N,n`: the linear structure as the contacts see it | 1 | n_N × n_N | [`CondensedStructure`] |
+//! | `ω_k²`, `Y` | modes with open contacts, as the gaps see them | rad²/s², 1/√kg | m, c × m | [`ModalStructure`] |
 //! | `b(t)` | where the massless contact nodes would be without stops | m | n_N | [`MixedShooting`] |
 //! | `q_N(t)` | where they are | m | n_N | |
 //! | `A` | contact compliance `Wᵀ K_NN⁻¹ W` | m/N | c × c | [`CondensedStructure::compliance`] |
@@ -19,7 +18,7 @@
 //!
 //! [`CondensedStructure`] reduces a structure once; [`grazing`] gives the linear mode that just touches;
 //! [`MixedShooting`] is the system of equations, with its Jacobian, for `nlmodes-continuation`. One evaluation costs
-//! `modes × N_h × n_N²` and the contact problems, whatever the size of the finite-element model.
+//! `modes × N_h × c²` and the contact problems, whatever the size of the finite-element model.
 //!
 //! ```
 //! use nlmodes_contact::solver_by_name;
@@ -39,8 +38,8 @@
 //! let start = grazing(&structure, 1)?;
 //! let settings = MixedShootingSettings { harmonics: 7, symmetry: Symmetry::Even, switching: Switching::Exact };
 //! let mut problem = MixedShooting::new(&structure, settings, start.scales(), solver_by_name("active-set")?.as_ref())?;
-//! let (n, series) = (problem.dim(), problem.series());
-//! let (x, direction) = (start.unknowns(series, n), start.direction(series, n));
+//! let n = problem.dim();
+//! let (x, direction) = problem.start(&start);
 //! let to_ten_times_the_energy = Bound { coordinate: n, min: -1.0, max: 10_f64.ln() };
 //! let method = Continuation { bounds: vec![to_ten_times_the_energy], ..Continuation::default() };
 //! let branch = method.run(&mut problem, &x, 0.0, &direction, |_| std::ops::ControlFlow::Continue(()))?;
@@ -50,15 +49,16 @@
 //! ```
 //!
 //! Main decision: the unknowns are the coefficients of `b`, not those of `q_N` as in eq. (15), because `q_N` vanishes
-//! at the eigenfrequencies of the held structure, and eq. (8) is used in a form without poles; see [`MixedShooting`].
+//! at the eigenfrequencies of the structure with its contacts held, and eq. (8) is used in a form without poles; see
+//! [`MixedShooting`].
 //!
 //! Elastic stops, eq. (3), put `1/k_c` on the diagonal of `A`. Conventional harmonic balance, where the contact nodes
 //! keep their mass and move in harmonics, is the same system for the massless tips of the stops' springs, made by
 //! [`MasslessContactModel::with_spring_tips`](nlmodes_model::MasslessContactModel::with_spring_tips); see
 //! [`CondensedStructure`].
 //!
-//! Damped and forced motions, in open modes: [`PeriodicSystem`] is put together from a [`ModalStructure`], the
-//! [`ContactOperator`] over a period, which [`MixedShooting`] shares, and [`Closing`]. Its analyses are constructors:
+//! Conservative, damped and forced motions are one system, [`PeriodicSystem`], put together from a [`ModalStructure`],
+//! the [`ContactOperator`] over a period and [`Closing`]. Its analyses are constructors:
 //! [`PeriodicSystem::conservative_mode`], [`PeriodicSystem::damped_mode`], [`PeriodicSystem::frequency_response`],
 //! [`PeriodicSystem::force_response`], [`PeriodicSystem::phase_resonance`]. [`PeriodicSystem::floquet`] gives
 //! multipliers from the contact instants. Curves of them: `nlmodes-response`.
@@ -74,47 +74,37 @@ mod condensed;
 mod contact_operator;
 mod contact_statistics;
 mod double;
-mod energy;
 mod error;
 mod estimate;
 mod fine_forces;
-mod held_motion;
-mod held_sums;
 mod history;
 mod ladder;
 mod mixed_shooting;
-mod motion;
 mod periodic;
-mod projection;
-mod recording;
 mod series;
 mod shrinking_gaps;
 mod start;
 mod switching;
-mod transfer;
 mod trigonometric;
 
-pub use condensed::CondensedStructure;
+pub use condensed::{CondensedStructure, MAX_RECORDED};
 pub use contact_operator::{ContactOperator, PatternInterval, Switching};
 pub use error::HbmError;
 pub use estimate::{TruncationError, TruncationEstimator};
 pub use history::ContactDefects;
 pub use ladder::{FEW_HARMONICS, harmonics_on_the_way};
 pub use mixed_shooting::{MAX_HARMONICS, MixedShooting, MixedShootingSettings, Scales};
-pub use nlmodes_reduction::HeldMode;
 pub use periodic::{
     Bilinear, Exponential, ForceLaw, HertzStop, LawForce, ModeStart, PlacedLaw, Polynomial, PowerDamper, PowerSpring,
     TableLaw, largest_value, law_length, modal_start, touch_spans,
 };
 pub use periodic::{
-    Closing, ClosingEquation, Column, ContactMotion, Coordinates, DampedStop, EnergyGiven, Floquet, Functional, Load,
-    LoadTerm, ModalDamping, ModalGrazing, ModalStructure, ModeAtRest, Motion, MotionChange, OperatingPoint,
+    Closing, ClosingEquation, Column, ContactMotion, Coordinates, DampedStop, EnergyGiven, Floquet, Functional,
+    Grazing, Load, LoadTerm, ModalDamping, ModalStructure, ModeAtRest, Motion, MotionChange, OperatingPoint,
     PeriodicMotion, PeriodicSettings, PeriodicSystem, PhaseCondition, PhaseLag, Refined, ResponseRow, Source,
     StructureChange, StructureState, Watched, modal_grazing, modal_grazing_opened, modal_lift_off,
     modal_lift_off_opened,
 };
-pub use projection::Projection;
-pub use recording::MAX_RECORDED;
 pub use series::{RealSeries, Symmetry};
 pub use shrinking_gaps::ShrinkingGaps;
-pub use start::{Grazing, grazing, grazing_opened};
+pub use start::{about_rest, grazing, grazing_opened};

@@ -1,9 +1,11 @@
 use nlmodes_contact::LcpSolver;
 use nlmodes_continuation::{Boundary, Linearization, ParametricSystem, Scaling};
+use nlmodes_linalg::Mat;
+use nlmodes_modal::{HarmonicCoefficients, ModalPoint};
 use num_complex::Complex64;
 
 use crate::contact_operator::Switching;
-use crate::periodic::{Coordinates, ModalGrazing, ModalStructure, PeriodicSettings, PeriodicSystem, modal_grazing};
+use crate::periodic::{OperatingPoint, PeriodicSystem};
 use crate::series::{RealSeries, Symmetry};
 use crate::{CondensedStructure, Grazing, HbmError};
 
@@ -41,35 +43,31 @@ impl Scales {
 }
 
 /// Mixed shooting-harmonic balance with massless contacts, eqs. (6)-(16): the [`PeriodicSystem`] of a conservative mode
-/// in the coordinates of a structure with its contacts held.
+/// of a [`CondensedStructure`].
 ///
-/// Unknowns are the coefficients of `b(t)`, the position that the massless contact nodes would have without stops, and
-/// the frequency; the parameter is `p = ln(E_av/E_ref)`. For given `b` the static contact problem (11), (13) gives
-/// `q_N(t)` at each instant, and the equations are
+/// Unknowns are the coefficients of `b(t)`, the position that the massless contact nodes would have without stops, seen
+/// along the contacts, or of the modal coordinates where these are fewer, and the frequency; the parameter is
+/// `p = ln(E_av/E_ref)`. For given `b` the static contact problem (11), (13) gives `λ(t)` at each instant, and the
+/// equations are
 ///
 /// ```text
-/// A_n b_n − B_n 𝓕_n(q_N(t)) = 0 ,  n = 0 … N_h        connectivity (14) through eq. (8), in a form without poles
+/// b_n = Y (Ω² − n²ω²)⁻¹ Yᵀ 𝓕_n(λ(t)) ,  n = 0 … N_h      connectivity (14) through eq. (8), in a form without poles
 /// ln(E_av(ω, b)/E_ref) − p = 0                          energy condition of (16)
 /// ```
 ///
-/// A steady force `f` that the contacts alone can balance, such as the weight of a structure that floats, stands in the
-/// mean: `b_0 − T_0 q_N,0 = K_NN⁻¹ Ψᵀ f_L`.
-///
-/// The paper iterates on `q_N,n` instead, eq. (15); the solutions are the same, with `q_N,n = 𝓕_n(q_N(t))`. But `q_N,n`
-/// vanishes where `nω` meets an eigenfrequency of the held structure, and cannot tell solutions apart there; `b_n`
-/// does, for `q_N(t)` is a function of `b(t)`, not the other way round.
+/// The paper iterates on `q_N,n` instead, eq. (15); the solutions are the same, with `q_N = b + K_NN⁻¹ W λ`. But `q_N,n`
+/// vanishes where `nω` meets an eigenfrequency of the structure with its contacts held, and cannot tell solutions apart
+/// there; `b_n` does, for `q_N(t)` is a function of `b(t)`, not the other way round.
 ///
 /// With [`Symmetry::Even`] this is square. With [`Symmetry::None`] the phase is free: the phase of the last accepted
-/// point is held, [`PhaseCondition`](crate::PhaseCondition), and with it comes an unknown δ that multiplies
-/// `B_n db_n/dτ`; on a solution of a conservative system δ = 0, which [`MixedShooting::unfolding`] lets one check.
+/// point is held, [`PhaseCondition`](crate::PhaseCondition), and with it comes a negative damping `ξ` as an unknown; on
+/// a solution of a conservative system it vanishes, which [`MixedShooting::unfolding`] lets one check.
 ///
-/// Unknown vector: `b/length` (n_N × width, one degree of freedom after the other, [`RealSeries`]), `ω/omega`, and δ.
+/// Unknown vector: `b/length` (one direction of the contacts after the other, [`RealSeries`]), `ω/omega`, and `ξ/omega`.
 pub struct MixedShooting<'s> {
     pub(crate) structure: &'s CondensedStructure,
     settings: MixedShootingSettings,
     pub(crate) system: PeriodicSystem,
-    /// Where the branch begins, of a problem in open modes.
-    open: Option<ModalGrazing>,
 }
 
 impl<'s> MixedShooting<'s> {
@@ -83,41 +81,18 @@ impl<'s> MixedShooting<'s> {
         scales: Scales,
         solver: &dyn LcpSolver,
     ) -> Result<Self, HbmError> {
-        let system = PeriodicSystem::held_mode(structure, settings, scales, solver)?;
-        Ok(Self { structure, settings, system, open: None })
-    }
-
-    /// The same problem of a structure that was reduced to its free-interface modes, with their coordinates as unknowns,
-    /// m × (2 N_h + 1) whatever the number of contacts; it begins at the grazing of linear mode `mode` (from 1).
-    ///
-    /// # Errors
-    /// As [`new`](Self::new), as [`ModalStructure::of_massless`] and as [`modal_grazing`].
-    pub fn in_open_modes(
-        structure: &'s CondensedStructure,
-        mode: usize,
-        settings: MixedShootingSettings,
-        scales: Scales,
-        solver: &dyn LcpSolver,
-    ) -> Result<Self, HbmError> {
-        let MixedShootingSettings { harmonics, symmetry, switching } = settings;
-        let periodic = PeriodicSettings { harmonics, switching, coordinates: Coordinates::Modal };
-        let modal = ModalStructure::of_massless(structure.model())?;
-        let system = PeriodicSystem::conservative_mode(&modal, symmetry, periodic, scales, solver)?;
-        Ok(Self { structure, settings, system, open: Some(modal_grazing(&modal, mode)?) })
-    }
-
-    /// Whether the unknowns are coordinates of open modes.
-    pub fn is_in_open_modes(&self) -> bool {
-        self.open.is_some()
+        let system = structure.conservative_mode(settings, scales, solver)?;
+        Ok(Self { structure, settings, system })
     }
 
     /// Unknowns at the begin of the branch, where `p = 0`, and the direction of growing amplitude.
     pub fn start(&self, grazing: &Grazing) -> (Vec<f64>, Vec<f64>) {
-        let (series, dim) = (self.series(), self.dim());
-        match &self.open {
-            Some(open) => (open.unknowns(&self.system), open.direction(&self.system)),
-            None => (grazing.unknowns(series, dim), grazing.direction(series, dim)),
-        }
+        (grazing.unknowns(&self.system), grazing.direction(&self.system))
+    }
+
+    /// The coefficients of the structure at rest about which the mode of `grazing` vibrates.
+    pub fn coefficients_at_rest(&self, grazing: &Grazing) -> Vec<f64> {
+        self.system.coefficients_at_rest(&grazing.mean)
     }
 
     /// The structure.
@@ -150,7 +125,7 @@ impl<'s> MixedShooting<'s> {
         self.system.n_coefficients()
     }
 
-    /// The unfolding parameter δ of the unknown vector `x`, if there is one; zero on a solution.
+    /// The unfolding parameter `ξ/omega` of the unknown vector `x`, if there is one; zero on a solution.
     pub fn unfolding(&self, x: &[f64]) -> Option<f64> {
         x.get(self.frequency_index() + 1).copied()
     }
@@ -175,26 +150,49 @@ impl<'s> MixedShooting<'s> {
         self.system.resized(x, from)
     }
 
-    /// From now on, or not any more, held modes that were not computed answer with the term in `ν⁴` too.
-    pub(crate) fn take_next_term(&mut self, with: bool) {
-        self.system.response.take_next_term(with);
-    }
-
     /// Contacts and linear structure at the unknowns `x`.
     pub(crate) fn solve(&mut self, x: &[f64]) -> Result<(), HbmError> {
         self.system.solve(x, 0.0).map(|_| ())
     }
 
-    /// Writes the coefficients of `b` and `q_N` of the cosine, or of the sine, of harmonic `n`, for the point evaluated
-    /// last.
-    pub(crate) fn coefficients(&self, n: usize, is_sine: bool, b: &mut [f64], q: &mut [f64]) {
-        let (block, inverse) = (&self.system.blocks[n], &self.structure.held.sums.k_nn_inverse);
-        let part = |z: &Complex64| if is_sine { -z.im } else { z.re };
-        b.iter_mut().zip(&block.x).for_each(|(b, x)| *b = part(x));
-        for ((q, b), inverse) in q.iter_mut().zip(b).zip(inverse.chunks(block.x.len())) {
-            let pressed: Complex64 = inverse.iter().zip(&block.force).map(|(k, force)| force * *k).sum();
-            *q = *b + part(&pressed);
+    /// Displacements `q_N,n = b_n + K_NN⁻¹ W λ_n` of the contact coordinates in harmonic `n` of the motion solved last.
+    pub(crate) fn contact_coordinates(&self, n: usize, at: OperatingPoint) -> Vec<Complex64> {
+        let (structure, eta) = (self.structure, self.system.modal_coordinates(n, at));
+        let forces = self.system.forces_of_harmonic(n);
+        let along = |row: &Mat<f64>, d: usize, z: &[Complex64]| {
+            z.iter().enumerate().map(|(k, z)| z * row[(d, k)]).sum::<Complex64>()
+        };
+        let of = |d: usize| along(&structure.follow, d, &eta) + along(&structure.pressed, d, &forces);
+        (0..structure.n_contact_dofs()).map(of).collect()
+    }
+
+    /// The point with the unknowns `x`, as a nonlinear mode with its modal quantities.
+    ///
+    /// # Errors
+    /// [`HbmError`] if the contact problem has no solution there.
+    pub fn modal_point(&mut self, x: &[f64], residual: f64) -> Result<ModalPoint, HbmError> {
+        let structure = self.structure;
+        let first = structure.model().contacts().first().and_then(|first| structure.recorded_index(first.dof));
+        self.system.modal_point(x, &structure.rows, first.unwrap_or(0), residual)
+    }
+
+    /// Modal coordinates of the motion with the unknowns `x` in the [modes](CondensedStructure::open_modes) of the
+    /// structure, modes × (H + 1), m·√kg.
+    ///
+    /// # Errors
+    /// [`HbmError`] if the contact problem has no solution there.
+    pub fn modal_coordinates(&mut self, x: &[f64]) -> Result<HarmonicCoefficients, HbmError> {
+        let motion = self.system.motion(x, 0.0)?;
+        let mut modal = HarmonicCoefficients::zeros(self.structure.open.n_modes(), self.series().n_harmonics);
+        for (n, eta) in motion.eta.iter().enumerate() {
+            eta.iter().enumerate().for_each(|(k, eta)| modal.of_mut(k)[n] = *eta);
         }
+        Ok(modal)
+    }
+
+    /// Mean contact forces over a period, N.
+    pub fn mean_forces(&self) -> Vec<f64> {
+        self.system.operator.mean_forces()
     }
 }
 

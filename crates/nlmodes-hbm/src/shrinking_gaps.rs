@@ -2,7 +2,7 @@ use nlmodes_contact::LcpSolver;
 use nlmodes_continuation::{Linearization, ParametricSystem, Scaling};
 
 use crate::periodic::PeriodicSystem;
-use crate::{CondensedStructure, HbmError, MixedShootingSettings, Scales};
+use crate::{CondensedStructure, Grazing, HbmError, MixedShootingSettings, Scales};
 
 /// The way to motions before contacts that touch at rest, from the linear mode before contacts that stand back.
 ///
@@ -14,8 +14,8 @@ use crate::{CondensedStructure, HbmError, MixedShootingSettings, Scales};
 /// gap zero is where the backbone of any gap leads. `o` is the opening ([`Grazing::opening`](crate::Grazing::opening)),
 /// the parameter is `s`, the unknowns are those of [`MixedShooting`](crate::MixedShooting), and the energy is kept at
 /// that of the scales. The square keeps stops that face each other apart where a step passes zero. At `s = 1`,
-/// [`Grazing::unknowns`](crate::Grazing::unknowns) are a solution; at `s = 0` a solution is one of the
-/// [`MixedShooting`](crate::MixedShooting) itself at `p = 0`.
+/// [`start`](Self::start) is a solution; at `s = 0` a solution is one of the [`MixedShooting`](crate::MixedShooting)
+/// itself at `p = 0`.
 pub struct ShrinkingGaps {
     system: PeriodicSystem,
 }
@@ -32,8 +32,13 @@ impl ShrinkingGaps {
         opening: &[f64],
         solver: &dyn LcpSolver,
     ) -> Result<Self, HbmError> {
-        let system = PeriodicSystem::held_mode(structure, settings, scales, solver)?;
+        let system = structure.conservative_mode(settings, scales, solver)?;
         Ok(Self { system: system.beside_opening(opening.to_vec())? })
+    }
+
+    /// The unknowns of the linear mode before contacts that stand back, a solution at `s = 1`.
+    pub fn start(&self, grazing: &Grazing) -> Vec<f64> {
+        grazing.unknowns(&self.system)
     }
 }
 

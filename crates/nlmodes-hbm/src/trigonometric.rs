@@ -147,6 +147,11 @@ fn magnitude(z: &Complex64) -> f64 {
     z.norm_sqr().sqrt()
 }
 
+/// `aᵀ b`.
+pub(crate) fn inner(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

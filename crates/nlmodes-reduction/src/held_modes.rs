@@ -13,16 +13,12 @@ pub struct HeldMode {
     pub column: usize,
     /// `g_k = φ_kᵀ K_LN`, n_N.
     pub g: Vec<f64>,
-    /// `h_k = K_NN⁻¹ g_kᵀ`, n_N.
-    pub h: Vec<f64>,
-    /// `s_k = g_k h_k`, rad²/s²: how strongly the mode takes part in the motion of the contacts.
-    pub s: f64,
 }
 
 /// A structure with massless contact coordinates, represented by its fixed-interface modes and its statics.
 ///
 /// ```text
-/// K_LL φ_k = λ_k M_LL φ_k ,   Ψ = −K_LL⁻¹ K_LN ,   T_0 = −K_NN⁻¹ K_NL Ψ
+/// K_LL φ_k = λ_k M_LL φ_k ,   Ψ = −K_LL⁻¹ K_LN
 /// ```
 ///
 /// Among modes with the same frequency (equal spans between contacts) those with `g_i K_NN⁻¹ g_jᵀ = 0` are chosen, of
@@ -32,15 +28,12 @@ pub struct HeldMode {
 pub struct HeldModes {
     /// Those that move a contact, ascending.
     pub modes: Vec<HeldMode>,
+    /// Squared angular frequencies of all that were computed, ascending, rad²/s².
+    pub lambda: Vec<f64>,
     /// Shapes of all that were computed, mass-normalised, n_L × [`count`](Self::count).
     pub shapes: Mat<f64>,
     /// Static shapes `Ψ`, n_L × n_N.
     pub statics: Mat<f64>,
-    /// `T_0`: where the contact coordinates would be statically, without stops, by the place at which they are; n_N ×
-    /// n_N.
-    pub transfer: Mat<f64>,
-    /// `K_NN`, factored.
-    pub contact_stiffness: DenseLu,
     /// `K_LL`, factored.
     pub stiffness: SparseCholesky,
 }
@@ -58,23 +51,25 @@ impl HeldModes {
         let stiffness = model.factor_k_ll()?;
         let mut statics = -model.k_ln();
         stiffness.solve_many(&mut statics);
-        let contact_stiffness = DenseLu::factor(model.k_nn())
+        let k_nn = DenseLu::factor(model.k_nn())
             .map_err(ReductionError::during("stiffness K_NN of the contact degrees of freedom"))?;
-        let transfer = contact_stiffness.solve_columns(&-(model.k_ln().transpose() * &statics));
         let mut held = held_modes(model, count)?;
-        separate_repeated(&mut held, model, &contact_stiffness)?;
+        separate_repeated(&mut held, model, &k_nn)?;
         let g = held.shapes.transpose() * model.k_ln();
+        // T_0, where the contact coordinates would be statically, without stops, by the place at which they are.
+        let transfer = k_nn.solve_columns(&-(model.k_ln().transpose() * &statics));
         let scale = (0..transfer.nrows()).map(|i| transfer[(i, i)].abs()).fold(f64::MIN_POSITIVE, f64::max);
         let modes = held.omega.iter().enumerate().filter_map(|(k, omega)| {
             let row: Vec<f64> = (0..g.ncols()).map(|d| g[(k, d)]).collect();
             let mut h = row.clone();
-            contact_stiffness.solve_in_place(&mut h);
+            k_nn.solve_in_place(&mut h);
+            // How strongly the mode takes part in the motion of the contacts, rad²/s².
             let s: f64 = row.iter().zip(&h).map(|(g, h)| g * h).sum();
             let lambda = omega * omega;
-            (s > 1e-20 * scale * lambda).then_some(HeldMode { lambda, column: k, g: row, h, s })
+            (s > 1e-20 * scale * lambda).then_some(HeldMode { lambda, column: k, g: row })
         });
-        let modes = modes.collect();
-        Ok(Self { modes, shapes: held.shapes, statics, transfer, contact_stiffness, stiffness })
+        let (modes, lambda) = (modes.collect(), held.omega.iter().map(|omega| omega * omega).collect());
+        Ok(Self { modes, lambda, shapes: held.shapes, statics, stiffness })
     }
 
     /// Modes computed, with those that leave the contacts at rest.

@@ -25,6 +25,7 @@
 //! | `Ω²`, `Y`, `A` | those of a structure that was reduced elsewhere | | | [`GivenModes`], [`OpenModes::given`] |
 //! | | linear modes with closed contacts | rad²/s² | m | [`OpenModes::closed_modes`] |
 //! | `λ_k`, `φ_k` | fixed-interface modes, massless contacts | rad²/s², 1/√kg | | [`HeldModes`] |
+//! | | the structure in its lowest fixed-interface modes, massless contacts | | | [`GalerkinReduction`] |
 //!
 //! ```
 //! use nlmodes_linalg::sparse_from_triplets;
@@ -48,6 +49,7 @@
 //! elastodynamic contact problems*, Computers & Structures 260 (2022) 106698.
 
 mod error;
+mod galerkin;
 mod given;
 mod held_modes;
 mod mode_count;
@@ -58,6 +60,7 @@ mod rest;
 mod rows;
 
 pub use error::ReductionError;
+pub use galerkin::GalerkinReduction;
 pub use given::{GivenFlexibility, GivenModes};
 pub use held_modes::{HeldMode, HeldModes};
 pub use mode_count::ModeCount;

@@ -2,10 +2,10 @@ use std::cell::OnceCell;
 use std::sync::Arc;
 
 use nlmodes_linalg::{
-    CommonMotions, LinalgError, Mat, Modes, Openness, Pencil, SparseMatrix, Written, multiply_many,
+    CommonMotions, DenseLu, LinalgError, Mat, Modes, Openness, Pencil, SparseMatrix, Written, multiply_many,
     multiply_transposed, sparse_from_triplets, symmetric_eigen, triplets,
 };
-use nlmodes_model::{Contact, MasslessContactModel, SteadyForce, StructuralModel};
+use nlmodes_model::{Contact, ContactCoordinates, MasslessContactModel, SteadyForce, StructuralModel};
 
 use crate::residual::{Residual, Solved, blocks, dense_columns};
 use crate::{ModeCount, ReductionError};
@@ -100,7 +100,7 @@ impl OpenModes {
         separate_repeated(&retained.eigenvalues, &mut retained.vectors, &directions, shift)?;
         match retained.eigenvalues.last() {
             None => return Err(ReductionError::NoMode { wanted: wanted(modes) }),
-            Some(&last) if last <= 1e-6 * shift && retained.eigenvalues.len() < stiffness.nrows() => {
+            Some(&last) if last <= 1e-6 * shift && retained.eigenvalues.len() < moving(&mass) => {
                 return Err(ReductionError::OnlyRigidModes { retained: retained.eigenvalues.len() });
             }
             Some(_) => {}
@@ -135,10 +135,7 @@ impl OpenModes {
     /// Whether there are no other modes: as many as degrees of freedom with mass. Not known of a structure that was
     /// reduced elsewhere.
     pub fn has_all_modes(&self) -> bool {
-        // A row without mass on the diagonal has none beside it.
-        let Some(mass) = self.residual.mass() else { return false };
-        let moving = (0..mass.nrows()).filter(|&i| mass.get(i, i).is_some_and(|m| *m != 0.0));
-        moving.take(self.n_modes() + 1).count() <= self.n_modes()
+        self.residual.mass().is_some_and(|mass| moving(mass) <= self.n_modes())
     }
 
     /// Reduces `model` with its mass as it is.
@@ -160,6 +157,46 @@ impl OpenModes {
         open.with_force_of(model.steady_force())
     }
 
+    /// All modes of `model` with the mass that it left after that of its contact nodes has been taken away. Of a
+    /// [`ReducedStructure`](crate::ReducedStructure) they are those that it was made of.
+    ///
+    /// Contact nodes without mass follow the others and their own contact forces, eq. (13), as
+    /// `q_N = b + K_NN⁻¹ W λ`, `b = −K_NN⁻¹ K_NL q_L`. So eqs. (6) to (16) are those of free-interface modes with
+    ///
+    /// ```text
+    /// (K_LL − K_LN K_NN⁻¹ K_NL) φ_k = ω_k² M_LL φ_k ,   Y = −Wᵀ K_NN⁻¹ K_NL Φ ,   A = Wᵀ K_NN⁻¹ W
+    /// ```
+    ///
+    /// and where the coordinates are the tips of contact springs, with `A = 0`: their compliance is that of the stops.
+    ///
+    /// # Errors
+    /// As [`OpenModes::new`].
+    pub fn all_of_massless(model: &MasslessContactModel) -> Result<Self, ReductionError> {
+        if let Some(open) = crate::reduced::made_of(model)? {
+            return Ok(open);
+        }
+        let mut open = Self::of_massless(model, ModeCount::Lowest(moving(model.mass())))?;
+        if open.n_modes() == model.linear_dofs().len() {
+            // Nothing but the nodes themselves answers statically: no difference of larger numbers.
+            let pressed = match model.contact_coordinates() {
+                ContactCoordinates::Nodes => DenseLu::factor(model.k_nn())
+                    .map_err(ReductionError::during("stiffness K_NN of the contact degrees of freedom"))?
+                    .solve_columns(model.w()),
+                ContactCoordinates::SpringTips => Mat::zeros(model.w().nrows(), model.w().ncols()),
+            };
+            let a = model.w().transpose() * &pressed;
+            open.flexibility = Mat::from_fn(a.nrows(), a.ncols(), |i, j| 0.5 * (a[(i, j)] + a[(j, i)]));
+            if let (Some(shapes), ContactCoordinates::Nodes) = (&mut open.residual_shapes, model.contact_coordinates())
+            {
+                shapes.fill(0.0);
+                for (row, &dof) in model.contact_dofs().iter().enumerate() {
+                    (0..pressed.ncols()).for_each(|i| shapes[(dof, i)] = pressed[(row, i)]);
+                }
+            }
+        }
+        Ok(open)
+    }
+
     /// The same structure under the constant force that its model has, on its rigid-body motions.
     fn with_force_of(self, steady: Option<&SteadyForce>) -> Result<Self, ReductionError> {
         let Some(steady) = steady else { return Ok(self) };
@@ -174,13 +211,7 @@ impl OpenModes {
         contacts: &[Contact],
         modes: ModeCount,
     ) -> Result<Self, ReductionError> {
-        let column =
-            |(i, c): (usize, &Contact)| c.normal.entries().iter().map(move |&(dof, w)| (dof, i, w)).collect::<Vec<_>>();
-        let entries: Vec<_> = contacts.iter().enumerate().flat_map(column).collect();
-        let directions = sparse_from_triplets(stiffness.nrows(), contacts.len(), &entries)
-            .map_err(ReductionError::during("directions of the contacts"))?;
-        let gaps = contacts.iter().map(|c| c.gap).collect();
-        let compliance = contacts.iter().map(|c| c.law.compliance()).collect();
+        let (directions, gaps, compliance) = stops(contacts, stiffness.nrows())?;
         Self::new(mass, stiffness, directions, gaps, compliance, modes)
     }
 
@@ -365,6 +396,21 @@ impl OpenModes {
 /// Share of a steady force that may act on motions which no contact feels: digits of files mix some of the others into
 /// these.
 const UNDRIVEN: f64 = 1e-6;
+
+/// Degrees of freedom with mass: a row without any on the diagonal has none beside it.
+fn moving(mass: &SparseMatrix) -> usize {
+    (0..mass.nrows()).filter(|&i| mass.get(i, i).is_some_and(|m| *m != 0.0)).count()
+}
+
+/// Directions `W` (n × c), gaps and compliances of contacts.
+pub(crate) fn stops(contacts: &[Contact], dofs: usize) -> Result<(SparseMatrix, Vec<f64>, Vec<f64>), ReductionError> {
+    let column =
+        |(i, c): (usize, &Contact)| c.normal.entries().iter().map(move |&(dof, w)| (dof, i, w)).collect::<Vec<_>>();
+    let entries: Vec<_> = contacts.iter().enumerate().flat_map(column).collect();
+    let directions = sparse_from_triplets(dofs, contacts.len(), &entries)
+        .map_err(ReductionError::during("directions of the contacts"))?;
+    Ok((directions, contacts.iter().map(|c| c.gap).collect(), contacts.iter().map(|c| c.law.compliance()).collect()))
+}
 
 fn factorisation() -> impl FnOnce(LinalgError) -> ReductionError {
     ReductionError::during("factorisation of the open structure")

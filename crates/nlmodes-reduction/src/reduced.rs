@@ -1,7 +1,8 @@
 use nlmodes_linalg::{DenseLu, Mat, Triplet, multiply_transposed, sparse_from_triplets};
-use nlmodes_model::{Contact, Dof, DofKind, Side, SteadyForce, StructuralModel};
+use nlmodes_model::{Contact, Dof, DofKind, MasslessContactModel, Side, SteadyForce, StructuralModel};
 
-use crate::{OpenModes, ReductionError};
+use crate::open_modes::stops;
+use crate::{GivenFlexibility, GivenModes, OpenModes, ReductionError};
 
 /// Relative difference up to which two directions are one.
 const SAME: f64 = 1e-12;
@@ -200,6 +201,55 @@ impl ReducedStructure {
     pub fn direction_of(&self) -> &[(usize, f64)] {
         &self.direction_of
     }
+}
+
+/// Entry of a matrix, over those on its diagonal, up to which it is rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// The modes, and the flexibility beyond them, that a [`ReducedStructure`] was made of: its model without the contact
+/// nodes is diagonal. None for a model of another kind.
+pub(crate) fn made_of(model: &MasslessContactModel) -> Result<Option<OpenModes>, ReductionError> {
+    let (linear, dofs) = (model.linear_dofs(), model.dofs());
+    let (m, n) = (linear.len(), dofs.len());
+    let is_unit = |i: usize| model.mass().get(i, i).is_some_and(|mass| *mass == 1.0);
+    if !linear.iter().all(|&i| dofs[i].kind == DofKind::Modal && is_unit(i)) {
+        return Ok(None);
+    }
+    let failed = |source| ReductionError::Linalg { what: "stiffness K_NN of the contact degrees of freedom", source };
+    let nodes = DenseLu::factor(model.k_nn()).map_err(failed)?;
+    let (k_ll, k_ln) = (model.k_ll().to_dense(), model.k_ln());
+    let follow = -nodes.solve_columns(&k_ln.transpose().to_owned());
+    let left = &k_ll + k_ln * &follow;
+    let size = |r: usize| k_ll[(r, r)].abs().sqrt();
+    let is_diagonal = |r: usize| (0..r).all(|s| left[(r, s)].abs() <= ROUNDING * size(r) * size(s));
+    if !(0..m).all(is_diagonal) {
+        return Ok(None);
+    }
+    let square = |r: usize| if left[(r, r)] <= ROUNDING * k_ll[(r, r)] { 0.0 } else { left[(r, r)] };
+    let mut order: Vec<usize> = (0..m).collect();
+    order.sort_by(|a, b| square(*a).total_cmp(&square(*b)));
+    let (mut rows, mut flexibility) = (Mat::zeros(n, m), Mat::zeros(n, n));
+    for (mode, &r) in order.iter().enumerate() {
+        rows[(linear[r], mode)] = 1.0;
+        model.contact_dofs().iter().enumerate().for_each(|(d, &dof)| rows[(dof, mode)] = follow[(d, r)]);
+    }
+    let own = nodes.solve_columns(&Mat::identity(follow.nrows(), follow.nrows()));
+    for (d, &i) in model.contact_dofs().iter().enumerate() {
+        let both = model.contact_dofs().iter().enumerate();
+        both.for_each(|(e, &j)| flexibility[(i, j)] = 0.5 * (own[(d, e)] + own[(e, d)]));
+    }
+    let of = GivenModes {
+        omega_squared: order.iter().map(|&r| square(r)).collect(),
+        rows,
+        flexibility: GivenFlexibility::Residual(flexibility),
+    };
+    let contacts: Vec<Contact> = model.contacts().iter().copied().map(Contact::from).collect();
+    let (directions, gaps, compliance) = stops(&contacts, n)?;
+    let open = OpenModes::given(of, directions, gaps, compliance)?;
+    let Some(steady) = model.steady_force() else { return Ok(Some(open)) };
+    let on = |mode: usize| (0..n).map(|i| open.shapes()[(i, mode)] * steady.force[i]).sum();
+    let force = (0..open.n_rigid()).map(on).collect();
+    open.with_steady_force(force).map(Some)
 }
 
 /// Square, over that of the first elastic mode, of the frequency that an unfelt motion gets.

@@ -2,10 +2,9 @@ use std::sync::Arc;
 
 use nlmodes_contact::solver_by_name;
 use nlmodes_hbm::{
-    DampedStop, ForceLaw, HbmError, Load, LoadTerm, ModalGrazing, ModalStructure, ModeAtRest, ModeStart, PhaseLag,
-    PlacedLaw, ResponseRow, modal_grazing_opened, modal_lift_off_opened, modal_start,
+    DampedStop, ForceLaw, Grazing, HbmError, Load, LoadTerm, ModalStructure, ModeStart, PhaseLag, PlacedLaw,
+    ResponseRow, about_rest, modal_grazing_opened, modal_start,
 };
-use nlmodes_linalg::Mat;
 use nlmodes_reduction::{OpenModes, RestState};
 use num_complex::Complex64;
 
@@ -58,20 +57,7 @@ impl ResponseModel {
     /// # Errors
     /// [`ResponseError::Problem`] where a rigid stop meets a contact without flexibility.
     pub fn new(open: OpenModes, damping: &Damping) -> Result<Self, ResponseError> {
-        let (rigid, unfelt) = (open.n_rigid(), open.unfelt_motions());
-        let rows = Mat::from_fn(open.n_contacts(), open.n_modes(), |i, r| {
-            if unfelt.contains(&r) { 0.0 } else { open.contact_rows()[(i, r)] }
-        });
-        let squares = open.omega_squared().iter().enumerate();
-        let structure = ModalStructure::new(
-            squares.map(|(r, w)| if r < rigid { 0.0 } else { w.max(0.0) }).collect(),
-            rows,
-            open.flexibility(),
-            open.gaps().to_vec(),
-            open.stop_compliance(),
-            damping.modal(open.omega_squared()),
-        )?
-        .with_steady_force(open.steady_force().to_vec())?;
+        let structure = ModalStructure::of_open(&open, damping.modal(open.omega_squared()))?;
         Ok(Self {
             open,
             structure,
@@ -286,26 +272,19 @@ impl ResponseModel {
     /// The linear mode `mode` (from 1) at the amplitude at which its nonlinear modes begin: where it first touches a
     /// stop, or, about a rest at which stops press, where the first contact changes its state; beside laws where these
     /// hardly matter yet, or at the energy that was set. Contacts that touch at rest without force
-    /// [stand back](ModalGrazing::opening).
+    /// [stand back](Grazing::opening).
     ///
     /// # Errors
-    /// As [`modal_grazing_opened`], [`modal_lift_off_opened`] and [`modal_start`], or what the reduction reports of the
+    /// As [`modal_grazing_opened`], [`about_rest`] and [`modal_start`], or what the reduction reports of the
     /// structure at rest.
-    pub fn linear_start(&self, mode: usize) -> Result<ModalGrazing, ResponseError> {
+    pub fn linear_start(&self, mode: usize) -> Result<Grazing, ResponseError> {
         if !self.laws.is_empty() {
             return Ok(modal_start(&self.structure, mode, self.mode_start)?);
         }
         let Some(rest) = self.pressed_rest()? else {
             return Ok(modal_grazing_opened(&self.structure, mode, UNIT_ENERGY)?);
         };
-        let modes = self.open.closed_modes(&rest.closed)?;
-        let available = modes.omega_squared.len();
-        let Some(k) = mode.checked_sub(1).filter(|k| *k < available) else {
-            return Err(HbmError::NoSuchMode { mode, available }.into());
-        };
-        let (omega_squared, shape) = (modes.omega_squared[k], modes.eta.col(k).iter().copied().collect::<Vec<f64>>());
-        let at = ModeAtRest { mode, omega_squared, shape: &shape, rest: &rest.eta, closed: &rest.closed };
-        Ok(modal_lift_off_opened(&self.structure, at, UNIT_ENERGY)?)
+        Ok(about_rest(&self.open, &self.structure, &rest, mode, UNIT_ENERGY)?)
     }
 
     /// The contacts that touch at rest without force.

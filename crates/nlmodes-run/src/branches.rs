@@ -321,8 +321,8 @@ fn whole(
     open: &OpenLinearModes,
     tree: &ComputedTree,
 ) -> Result<(LinearFrequencies, Vec<Vec<Participation>>), Failure> {
-    let (linear, lowest) = (frequencies(scene, model, massless, open)?, open.own.lowest(LINEAR_MODES));
-    let participation = tree.branches.iter().map(|computed| computed.participation_in(&lowest));
+    let linear = frequencies(scene, model, massless, open)?;
+    let participation = tree.branches.iter().map(|computed| computed.participation(LINEAR_MODES));
     Ok((linear, participation.collect::<Result<_, _>>()?))
 }
 

@@ -62,7 +62,6 @@ mod grazing;
 mod mode_shooting;
 mod oscillation;
 mod phase;
-mod reduction;
 mod restrained;
 mod shooting;
 mod state_energy;
@@ -80,7 +79,7 @@ pub use forced::{
 pub use global_problem::GlobalContactProblem;
 pub use grazing::GrazingState;
 pub use mode_shooting::{MAX_SHOOTING_MODES, ModeShooting};
-pub use reduction::GalerkinReduction;
+pub use nlmodes_reduction::GalerkinReduction;
 pub use shooting::{PeriodicMotion, Shooting, ShootingScales};
 pub use state_energy::StateEnergy;
 pub use trajectory::{ClosedInterval, ModalState, Snapshot, Trajectory};

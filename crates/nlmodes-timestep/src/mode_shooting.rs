@@ -1,10 +1,12 @@
 use nlmodes_continuation::{Linearization, ParametricSystem, Scaling};
+use nlmodes_linalg::bilinear;
 use nlmodes_modal::{HarmonicCoefficients, ModalPoint, TimeHistory};
+use nlmodes_reduction::GalerkinReduction;
 
 use crate::phase::dot;
 use crate::verification::{n_intervals, share};
 use crate::{
-    Floquet, GalerkinReduction, GrazingState, ModalState, PeriodicMotion, Shooting, ShootingScales, TimestepError,
+    ContactDynamics, Floquet, GrazingState, ModalState, PeriodicMotion, Shooting, ShootingScales, TimestepError,
 };
 
 /// Maximum number of fixed-interface modes for a branch by shooting: the cost of a point grows with its third power.
@@ -34,7 +36,7 @@ impl ModeShooting {
             let (found, most) = (structure.n_kept_modes(), MAX_SHOOTING_MODES);
             return Err(TimestepError::TooManyModes { found, most });
         }
-        let mut dynamics = structure.dynamics()?;
+        let mut dynamics = ContactDynamics::new(structure.model().clone())?;
         let start = dynamics.grazing(omega)?;
         let shooting = Shooting::new(dynamics, ShootingScales { omega: start.omega, energy: start.energy })?;
         Ok(Self { structure, shooting, start, harmonics })
@@ -48,6 +50,11 @@ impl ModeShooting {
     /// Start of the nonlinear mode, in the coordinates of the reduced structure.
     pub fn grazing(&self) -> &GrazingState {
         &self.start
+    }
+
+    /// `yᵀ M y` of coordinates of the reduced structure: twice the kinetic energy of velocities.
+    fn inertia(&self, reduced: &[f64]) -> f64 {
+        bilinear(reduced, self.structure.model().mass(), reduced)
     }
 
     /// The equations.
@@ -85,7 +92,7 @@ impl ModeShooting {
         for n in 1..=motion.n_harmonics() {
             let part: Vec<f64> = (0..motion.n_coordinates()).map(|d| motion.of(d)[n].re).collect();
             let y = self.structure.project(&part)?;
-            energy += 0.25 * (n as f64 * omega).powi(2) * self.structure.inertia(&y);
+            energy += 0.25 * (n as f64 * omega).powi(2) * self.inertia(&y);
         }
         if !(energy.is_finite() && energy > 0.0) {
             return Err(TimestepError::NotPositive { what: "averaged kinetic energy (J)", value: energy });
@@ -134,7 +141,7 @@ impl ModeShooting {
         let reduced = even(trajectory.harmonics(self.highest_harmonic(motion.omega)));
         let harmonic_energy = self.harmonic_energy(&reduced, motion.omega)?;
         let coefficients = self.expand(&reduced);
-        let modal_amplitude = self.structure.inertia(&harmonic(&reduced, 1)).sqrt();
+        let modal_amplitude = self.inertia(&harmonic(&reduced, 1)).sqrt();
         let full = self.structure.full();
         let contact = full.contacts()[0];
         let intervals = trajectory.closed_intervals();

@@ -6,13 +6,12 @@ use super::block::LinearResponse;
 use super::closing_equations::{AtZero, ClosingEquation, EnergyGiven, PhaseCondition, PhaseLag};
 use super::contact_response::ContactResponse;
 use super::directions::Directions;
-use super::held_response::HeldResponse;
 use super::load::Load;
 use super::modal_response::ModalResponse;
 use super::operating_point::{Closing, Source};
 use super::structure::ModalStructure;
 use super::system::{PeriodicSettings, PeriodicSystem};
-use crate::{CondensedStructure, HbmError, MixedShootingSettings, Scales, Symmetry};
+use crate::{HbmError, Scales, Symmetry};
 
 /// The unknowns that stand for the linear structure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -30,7 +29,16 @@ pub enum Coordinates {
 /// Relative distance of squared frequencies below which two modes can be resonant at once.
 const REPEATED: f64 = 1e-5;
 
+/// Up to so many directions the motions of the contacts of a conservative mode are its unknowns, not its modes.
+const FEW_DIRECTIONS: usize = 8;
+
 impl Coordinates {
+    /// Motions of the contacts where these have few directions, else modes: what takes less time of conservative modes.
+    pub(crate) fn of_few_contacts(structure: &ModalStructure) -> Self {
+        let is_few = Directions::of(structure).first.len() <= FEW_DIRECTIONS && is_small_and_plain(structure);
+        if is_few { Self::Contact } else { Self::Modal }
+    }
+
     pub(crate) fn response(self, structure: &Arc<ModalStructure>, even: bool) -> Box<dyn LinearResponse + Send> {
         // Displacements of laws are coordinates beside those of contacts.
         let contact = !structure.laws().is_empty()
@@ -82,25 +90,6 @@ impl PeriodicSystem {
         let closing = conservative(symmetry, scales);
         let load = Load::none(&undamped);
         Self::assemble(undamped, load, closing, (settings, symmetry), scales, solver)
-    }
-
-    /// The conservative nonlinear mode of a structure with its contacts held, as [`MixedShooting`](crate::MixedShooting)
-    /// has it.
-    ///
-    /// # Errors
-    /// As [`conservative_mode`](Self::conservative_mode).
-    pub(crate) fn held_mode(
-        structure: &CondensedStructure,
-        settings: MixedShootingSettings,
-        scales: Scales,
-        solver: &dyn LcpSolver,
-    ) -> Result<Self, HbmError> {
-        let MixedShootingSettings { harmonics, symmetry, switching } = settings;
-        let response = HeldResponse::new(structure, symmetry == Symmetry::Even, scales.omega);
-        let settings = PeriodicSettings { harmonics, switching, coordinates: Coordinates::Contact };
-        let contacts = Arc::new(ModalStructure::without_modes(structure));
-        let (load, closing) = (Load::none(&contacts), conservative(symmetry, scales));
-        Self::assemble_with(Box::new(response), contacts, load, closing, (settings, symmetry), scales, solver)
     }
 
     /// The damped nonlinear mode (extended periodic motion concept, Krack 2015): `M q̈ + (C − ξ M) q̇ + K q = W λ`,

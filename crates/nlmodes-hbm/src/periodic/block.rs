@@ -58,7 +58,7 @@ impl KineticEnergy {
     }
 }
 
-/// Modal coordinates of one harmonic, m, with their derivatives.
+/// Modal coordinates of one harmonic, m, with their derivatives or zeros in place of these.
 #[derive(Debug, Clone)]
 pub(crate) struct ModalMotion {
     pub eta: Vec<Complex64>,
@@ -73,13 +73,6 @@ impl ModalMotion {
 }
 
 impl HarmonicBlock {
-    /// Makes room for as many coordinates as `x` has. Where there is, what was written stays.
-    pub fn take_size(&mut self) {
-        if self.residual.len() != self.x.len() {
-            self.reset();
-        }
-    }
-
     /// Makes room for as many coordinates as `x` has, all else zero.
     pub fn reset(&mut self) {
         let (d, zero) = (self.x.len(), Complex64::default());
@@ -128,15 +121,18 @@ pub(crate) trait LinearResponse {
     /// them they may have other signs.
     fn take_any_phase(&mut self) {}
 
-    /// From now on, or not any more, modes that were left out answer with the next term of their series too, where the
-    /// structure knows it.
-    fn take_next_term(&mut self, _with: bool) {}
-
     /// Writes the block of harmonic `n` for the coordinates and forces in it.
     fn evaluate(&mut self, n: usize, at: OperatingPoint, load: &Load, asked: Asked, block: &mut HarmonicBlock);
 
-    /// Modal coordinates of an evaluated block.
-    fn modal_motion(&self, n: usize, at: OperatingPoint, load: &Load, block: &HarmonicBlock) -> ModalMotion;
+    /// Modal coordinates of an evaluated block, with their derivatives where these are asked for.
+    fn modal_motion(
+        &self,
+        n: usize,
+        at: OperatingPoint,
+        load: &Load,
+        block: &HarmonicBlock,
+        derivatives: bool,
+    ) -> ModalMotion;
 
     /// `wᵀ ∂η/∂x` and `wᵀ ∂η/∂λ̂` for weights `w` (m) of the modal coordinates of an evaluated block.
     fn pull(
@@ -148,6 +144,9 @@ pub(crate) trait LinearResponse {
     ) -> (Vec<Complex64>, Vec<Complex64>);
 }
 
+/// Stiffness that holds the mean of a rigid-body motion, over that of the contacts that it moves.
+const GAUGE: f64 = 1e-14;
+
 /// `D_kk` with its derivatives with respect to ω and ξ.
 pub(crate) fn dynamic_stiffness(
     structure: &ModalStructure,
@@ -158,6 +157,11 @@ pub(crate) fn dynamic_stiffness(
     let (n, mass) = (n as f64, structure.inertia()[k]);
     let c = structure.damping().entry(k, k) - mass * at.xi;
     let nu = n * at.omega;
-    let value = Complex64::new(structure.omega_squared()[k] - mass * nu * nu, nu * c);
+    let stiffness = match structure.omega_squared()[k] {
+        // Before anything touches nothing else says where the mean of a rigid-body motion is.
+        0.0 if n == 0.0 && mass > 0.0 => GAUGE * structure.coupling(k),
+        square => square,
+    };
+    let value = Complex64::new(stiffness - mass * nu * nu, nu * c);
     (value, [Complex64::new(-2.0 * n * nu * mass, n * c), Complex64::new(0.0, -nu * mass)])
 }

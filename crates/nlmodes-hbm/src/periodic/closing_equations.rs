@@ -4,8 +4,8 @@ use super::change::StructureChange;
 use super::load::Load;
 use super::operating_point::OperatingPoint;
 use super::structure::ResponseRow;
-use crate::energy::inner;
 use crate::series::RealSeries;
+use crate::trigonometric::inner;
 use crate::{HbmError, Symmetry};
 
 /// A motion as closing equations see it.

@@ -128,13 +128,15 @@ impl ContactResponse {
             Some(dd) => (p.by[t] - eta * dd) * inverse,
             None => p.by[t] * inverse,
         };
-        Answer { mode: k, eta, d_eta: [change(0), change(1), change(2)], inverse }
+        let d_eta = if drive.by.contains(&true) { [0, 1, 2].map(change) } else { Default::default() };
+        Answer { mode: k, eta, d_eta, inverse }
     }
 
     /// Takes what a mode does off `v` and its derivatives.
     fn take(&self, answer: &Answer, by: [bool; 3], v: &mut [Complex64], dv: &mut [Vec<Complex64>; 3]) {
-        for (i, y) in self.row(answer.mode).iter().enumerate() {
-            v[i] -= answer.eta * y;
+        let row = self.row(answer.mode);
+        v.iter_mut().zip(row).for_each(|(v, y)| *v -= answer.eta * y);
+        for (i, y) in row.iter().enumerate().filter(|_| by.contains(&true)) {
             (0..3).filter(|t| by[*t]).for_each(|t| dv[t][i] -= answer.d_eta[t] * y);
         }
     }
@@ -216,11 +218,18 @@ impl LinearResponse for ContactResponse {
         }
     }
 
-    fn modal_motion(&self, n: usize, at: OperatingPoint, load: &Load, block: &HarmonicBlock) -> ModalMotion {
+    fn modal_motion(
+        &self,
+        n: usize,
+        at: OperatingPoint,
+        load: &Load,
+        block: &HarmonicBlock,
+        derivatives: bool,
+    ) -> ModalMotion {
         let (mut motion, mut v) = (ModalMotion::at_rest(self.structure.n_modes()), block.x.clone());
         let mut dv = [0, 1, 2].map(|_| vec![Complex64::default(); v.len()]);
         let pole = block.pole.map(|(p, _)| p);
-        let drive = Drive { force: &block.force, load: load.has_harmonic(n).then_some(load), by: [true; 3] };
+        let drive = Drive { force: &block.force, load: load.has_harmonic(n).then_some(load), by: [derivatives; 3] };
         let drives = |k: usize| (n > 0 && drive.load.is_some()) || self.squares[k] > 0.0;
         self.take_static(n, at, &drive, &mut v, &mut dv);
         for k in (0..motion.eta.len()).filter(|&k| Some(k) != pole && drives(k)) {
@@ -382,6 +391,7 @@ impl ContactResponse {
         block.l[0].re = d * factor;
         block.g[0].re = (d * g + y * y) * factor;
         block.pole = Some((mode, rho2));
+        block.sizes[0] = size_of_row(d.abs(), nu, rho2);
         let share = s2 / (y * rho2);
         let eta = d * w / rho2 + share * v;
         let d_eta = slope * w / rho2 + share * dv - 2.0 * eta * by_d;
@@ -403,7 +413,7 @@ impl ContactResponse {
             block.kinetic.times_speed(n, at.omega);
         }
         match apart {
-            Some(apart) => self.take_apart(&apart, block),
+            Some(apart) => self.take_apart(n as f64 * at.omega, &apart, block),
             None => (0..c).for_each(|i| block.l[i * c + i] = Complex64::ONE),
         }
     }
@@ -424,11 +434,12 @@ impl ContactResponse {
     }
 
     /// The equations with one mode apart, from `v`, its derivatives and `G` of the others in the block.
-    fn take_apart(&self, &Apart { mode, d, dd, rho2, w, dw, by, .. }: &Apart, block: &mut HarmonicBlock) {
+    fn take_apart(&self, nu: f64, &Apart { mode, d, dd, rho2, w, dw, by, .. }: &Apart, block: &mut HarmonicBlock) {
         let (c, row, square, turn) = (self.size(), self.row(mode), self.squares[mode], &self.turns[mode]);
         let rho = rho2.sqrt();
         let factor = turn.length / rho;
         block.pole = Some((mode, rho2));
+        block.sizes[0] = size_of_row(d.norm(), nu, rho2);
         let alpha = along(row, &block.residual) / square;
         let defect = d * alpha - w;
         turn.apply(&mut block.residual);
@@ -454,6 +465,16 @@ impl ContactResponse {
             block.l[j] = d * (row[j] / square * factor);
         }
     }
+}
+
+/// Size of the row of the mode apart below which it is rounding.
+const SMALLEST_ROW: f64 = 1e-9;
+
+/// What is large for the first row of `L`, by which harmonics without contact are held: `D_p/ρ` itself, or what a change
+/// of `ν²` by its own size makes of it where it vanishes, in resonance. Beside a contact that is much stiffer than the
+/// structure both are small.
+fn size_of_row(stiffness: f64, nu: f64, rho2: f64) -> f64 {
+    ((stiffness + nu * nu) / rho2.sqrt()).clamp(SMALLEST_ROW, 1.0)
 }
 
 /// The reflection that brings a direction `y` to the first coordinate, `B y = ±|y| e₀`, of either sign:

@@ -94,7 +94,7 @@ impl LinearResponse for ModalResponse {
             }
         }
         if asked.energy {
-            let (motion, inertia) = (self.modal_motion(n, at, load, block), self.structure.inertia());
+            let (motion, inertia) = (self.modal_motion(n, at, load, block, true), self.structure.inertia());
             for (k, mass) in inertia.iter().enumerate() {
                 block.kinetic.add(*mass, motion.eta[k], [0, 1, 2].map(|t| motion.d_eta[t][k]));
             }
@@ -104,7 +104,14 @@ impl LinearResponse for ModalResponse {
         }
     }
 
-    fn modal_motion(&self, n: usize, at: OperatingPoint, load: &Load, block: &HarmonicBlock) -> ModalMotion {
+    fn modal_motion(
+        &self,
+        n: usize,
+        at: OperatingPoint,
+        load: &Load,
+        block: &HarmonicBlock,
+        derivatives: bool,
+    ) -> ModalMotion {
         let mut motion = ModalMotion::at_rest(self.structure.n_modes());
         self.active.iter().zip(&block.x).for_each(|(&k, x)| motion.eta[k] = *x);
         let alone = (0..motion.eta.len()).filter(|k| load.has_harmonic(n) && !self.active.contains(k));
@@ -115,7 +122,7 @@ impl LinearResponse for ModalResponse {
             }
             let eta = p.value / d;
             motion.eta[k] = eta;
-            for t in 0..3 {
+            for t in (0..3).filter(|_| derivatives) {
                 let dd = if t < 2 { dd[t] } else { Complex64::default() };
                 motion.d_eta[t][k] = (p.by[t] - eta * dd) / d;
             }

@@ -1,8 +1,9 @@
 use std::f64::consts::TAU;
 
-use nlmodes_linalg::max_norm;
+use nlmodes_linalg::{Mat, max_norm};
 use nlmodes_modal::{ClosedSpan, ContactPeriod, HarmonicCoefficients, ModalPoint, TimeHistory};
 use nlmodes_model::DofContact;
+use nlmodes_reduction::ResponseRows;
 use num_complex::Complex64;
 
 use super::law::StopMotion;
@@ -132,7 +133,7 @@ impl PeriodicSystem {
     pub fn motion(&mut self, x: &[f64], p: f64) -> Result<PeriodicMotion, HbmError> {
         let at = self.solve(x, p)?;
         let (series, c) = (self.series(), self.structure.n_contacts());
-        let eta: Vec<Vec<Complex64>> = (0..self.blocks.len()).map(|n| self.modal_motion(n, at).eta).collect();
+        let eta: Vec<Vec<Complex64>> = (0..self.blocks.len()).map(|n| self.modal_coordinates(n, at)).collect();
         let split = |n: usize| {
             let mut forces = self.forces_of_harmonic(n);
             let reactions = forces.split_off(c);
@@ -195,17 +196,21 @@ impl PeriodicSystem {
         reactions.iter().enumerate().map(of).sum()
     }
 
-    /// The point of a conservative branch with the unknowns `x` in the coordinates `(η, u)` of a structure in open
-    /// modes, `u` the displacement of each direction toward its stop; `contacts` are its contacts at these coordinates.
+    /// The point of a conservative branch with the unknowns `x`: `rows` are the displacements that it shows, of which
+    /// number `first` is that of the first contact.
     ///
     /// # Errors
     /// [`HbmError`] if the contact problem has no solution there.
-    pub fn modal_point(&mut self, x: &[f64], contacts: &[DofContact], residual: f64) -> Result<ModalPoint, HbmError> {
+    pub fn modal_point(
+        &mut self,
+        x: &[f64],
+        rows: &ResponseRows,
+        first: usize,
+        residual: f64,
+    ) -> Result<ModalPoint, HbmError> {
         let motion = self.motion(x, 0.0)?;
-        let m = self.structure.n_modes();
         let periods = self.operator.contact_periods(motion.at.omega);
-        let coefficients = self.reduced_coefficients(&motion, contacts);
-        let first = contacts.first().map_or(m, |contact| contact.dof);
+        let coefficients = displacements(&motion, rows);
         let fundamental = coefficients.of(first)[1];
         let even = self.series().symmetry == Symmetry::Even;
         let signed = if even {
@@ -225,27 +230,8 @@ impl PeriodicSystem {
         })
     }
 
-    /// Modal coordinates, and `u = −(Y η + A f)` of the first contact of each direction.
-    fn reduced_coefficients(&self, motion: &PeriodicMotion, contacts: &[DofContact]) -> HarmonicCoefficients {
-        let m = self.structure.n_modes();
-        let n_directions = contacts.iter().map(|contact| contact.dof + 1 - m).max().unwrap_or(0);
-        let mut all = HarmonicCoefficients::zeros(m + n_directions, motion.eta.len().saturating_sub(1));
-        let (a, own) = (self.structure.compliance().a(), self.structure.stop_compliance());
-        for (n, (eta, forces)) in motion.eta.iter().zip(&motion.forces).enumerate() {
-            (0..m).for_each(|r| all.of_mut(r)[n] = eta[r]);
-            for (i, contact) in contacts.iter().enumerate() {
-                let free: Complex64 = eta.iter().enumerate().map(|(r, e)| e * self.structure.rows()[(i, r)]).sum();
-                let pressed: Complex64 = forces.iter().enumerate().map(|(j, f)| f * a[(i, j)]).sum();
-                // The gap opens by what the body moves away, not by what an elastic stop yields.
-                let opened = free + pressed - forces[i] * own[i];
-                all.of_mut(contact.dof)[n] = -opened * contact.side.sign();
-            }
-        }
-        all
-    }
-
     /// Motion and force of all contacts over a period of the point with the unknowns `x`, exact at the instants of
-    /// contact; `contacts` as in [`modal_point`](Self::modal_point).
+    /// contact; `contacts` are those of the structure at its degrees of freedom.
     ///
     /// # Errors
     /// [`HbmError`] if the contact problem has no solution there.
@@ -360,6 +346,25 @@ impl PeriodicSystem {
             free_fundamental: free,
         }
     }
+}
+
+/// Displacements of these rows in a motion, `Lᵀ Φ η + Lᵀ G W λ`.
+fn displacements(motion: &PeriodicMotion, rows: &ResponseRows) -> HarmonicCoefficients {
+    let count = motion.eta.len();
+    let mut all = HarmonicCoefficients::zeros(rows.modes.nrows(), count.saturating_sub(1));
+    // Motions that are even in time have cosines alone.
+    let is_even = motion.eta.iter().chain(&motion.forces).flatten().all(|z| z.im == 0.0);
+    for (unit, part) in [(Complex64::ONE, 0), (Complex64::I, 1)].into_iter().take(if is_even { 1 } else { 2 }) {
+        let columns = |of: &[Vec<Complex64>], size: usize| {
+            Mat::from_fn(size, count, |k, n| of[n].get(k).map_or(0.0, |z| [z.re, z.im][part]))
+        };
+        let (eta, forces) = (columns(&motion.eta, rows.modes.ncols()), columns(&motion.forces, rows.forces.ncols()));
+        let values = &rows.modes * eta + &rows.forces * forces;
+        for i in 0..values.nrows() {
+            all.of_mut(i).iter_mut().enumerate().for_each(|(n, q)| *q += unit * values[(i, n)]);
+        }
+    }
+    all
 }
 
 /// Samples of a period for each harmonic in which the largest value of a series is looked for.

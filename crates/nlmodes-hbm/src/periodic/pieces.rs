@@ -7,8 +7,8 @@ use super::load::Load;
 use super::operating_point::{OperatingPoint, Source};
 use super::system::PeriodicSystem;
 use crate::RealSeries;
-use crate::energy::inner;
 use crate::trigonometric::Trigonometric;
+use crate::trigonometric::inner;
 
 impl PeriodicSystem {
     /// The contact pattern alone at `z = (x, p)`; `None` where there is none.

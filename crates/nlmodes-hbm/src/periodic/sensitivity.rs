@@ -16,8 +16,8 @@ use super::structure::ResponseRow;
 use super::system::PeriodicSystem;
 use crate::HbmError;
 use crate::contact_statistics::Extreme;
-use crate::energy::inner;
 use crate::trigonometric::Trigonometric;
+use crate::trigonometric::inner;
 
 /// The displacement whose amplitude is followed, and its harmonic.
 #[derive(Debug, Clone, PartialEq)]
@@ -145,7 +145,7 @@ impl PeriodicSystem {
         let mut lin = Linearization::new(self.dim());
         self.linearize(x, p, &mut lin)?;
         let (at, harmonics) = (self.operating_point(x, p), self.blocks.len());
-        let motion = (0..harmonics).map(|n| (self.modal_motion(n, at).eta, self.forces_of_harmonic(n))).collect();
+        let motion = (0..harmonics).map(|n| (self.modal_coordinates(n, at), self.forces_of_harmonic(n))).collect();
         let moved = self.load_gaps(at);
         let forces_by = [0, 1, 2].map(|t| self.operator.apply(&moved[t]));
         let amplitude = watched.and_then(|watched| {

@@ -5,12 +5,12 @@ use nlmodes_linalg::max_norm;
 use super::structure::ModalStructure;
 use super::system::PeriodicSystem;
 use crate::closed_set::ClosedSet;
-use crate::{HbmError, Scales};
+use crate::{CondensedStructure, HbmError, Scales};
 
 /// A linear mode at the amplitude at which it just touches, or at which a stop that presses is about to be left: where
 /// its nonlinear modes begin.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ModalGrazing {
+pub struct Grazing {
     /// Number of the mode, from 1.
     pub mode: usize,
     /// Angular eigenfrequency, rad/s.
@@ -23,15 +23,18 @@ pub struct ModalGrazing {
     pub energy: f64,
     /// The contact that grazes.
     pub contact: usize,
-    /// Its amplitude, m: its gap; of a stop that is about to be left, the static motion of its contact by that energy.
+    /// What a length near one means for the contacts, m: the largest amplitude of one; of a stop that is about to be left,
+    /// at least the static motion of its contact by that energy.
     pub length: f64,
     /// By how much contacts that touch at rest stand back, m, c: a little beyond what the mode moves them. Zero for all
     /// others.
     pub opening: Vec<f64>,
+    /// The contact presses at rest, and is about to be left.
+    pub lifts_off: bool,
     /// Modal coordinates at rest, m, m √kg.
-    pub(super) mean: Vec<f64>,
+    pub(crate) mean: Vec<f64>,
     /// Those of the mode, m, orthonormal.
-    pub(super) shape: Vec<f64>,
+    pub(crate) shape: Vec<f64>,
 }
 
 /// A linear mode about a rest at which some stops are closed, in the coordinates of the open modes.
@@ -49,7 +52,7 @@ pub struct ModeAtRest<'a> {
     pub closed: &'a [bool],
 }
 
-/// Motion of a guard by a mode, over the largest, below which the mode does not move it.
+/// Motion of a guard by a mode, over the largest of any open mode, below which the mode does not move it.
 const UNFELT: f64 = 1e-9;
 
 /// Guard of a contact at rest, over the largest, below which it touches without force.
@@ -57,6 +60,9 @@ const ROUNDING: f64 = 1e-10;
 
 /// Squared open frequency, over that of the mode about rest, up to which it is that of a rigid-body motion.
 const RIGID: f64 = 1e-9;
+
+/// Squared open frequency, over the largest, up to which it is rounding.
+pub(crate) const STRAINLESS: f64 = 64.0 * f64::EPSILON;
 
 /// Of contacts that touch at rest, their distance over the amplitude of the mode before which they stand back: nothing
 /// touches there, also by rounding.
@@ -82,7 +88,9 @@ impl Felt {
         let moved: Vec<f64> = (0..c).map(|i| seen(i, at.shape)).collect();
         let guards: Vec<f64> = (0..c).map(|i| set.guard_value(i, &resting)).collect();
         let slopes: Vec<f64> = (0..c).map(|i| set.guard_value(i, &moved)).collect();
-        let (largest, most) = (max_norm(guards.iter().copied()), max_norm(slopes.iter().copied()));
+        let largest = max_norm(guards.iter().copied());
+        // Beside what any mode of that size does to the contacts.
+        let most = max_norm((0..c).flat_map(|i| (0..m).map(move |k| (i, k))).map(|at| structure.rows()[at]));
         let moving: Vec<usize> = (0..c).filter(|&i| slopes[i].abs() > UNFELT * most).collect();
         // Open contacts have the gaps that they were given, those of a pressed rest come from its forces.
         let least = if at.closed.contains(&true) { ROUNDING * largest } else { 0.0 };
@@ -105,12 +113,12 @@ impl Felt {
 /// # Errors
 /// [`HbmError::NeverTouches`] if it moves no contact, [`HbmError::TouchesAtRest`] for one that it moves and that
 /// touches without force, [`HbmError::Compliance`].
-pub fn modal_lift_off(structure: &ModalStructure, at: ModeAtRest<'_>) -> Result<ModalGrazing, HbmError> {
+pub fn modal_lift_off(structure: &ModalStructure, at: ModeAtRest<'_>) -> Result<Grazing, HbmError> {
     unless_touching(structure, modal_lift_off_opened(structure, at, 1.0)?)
 }
 
 /// As [`modal_lift_off`], also where contacts touch at rest without force: these stand back by
-/// [`ModalGrazing::opening`].
+/// [`Grazing::opening`].
 ///
 /// The motion has half the amplitude at which another contact would change its state, and where there is no such
 /// contact the averaged kinetic energy `energy`, J: before contacts that all touch at rest, motions can be multiplied
@@ -119,11 +127,7 @@ pub fn modal_lift_off(structure: &ModalStructure, at: ModeAtRest<'_>) -> Result<
 ///
 /// # Errors
 /// [`HbmError::NeverTouches`] if it moves no contact, [`HbmError::Compliance`].
-pub fn modal_lift_off_opened(
-    structure: &ModalStructure,
-    at: ModeAtRest<'_>,
-    energy: f64,
-) -> Result<ModalGrazing, HbmError> {
+pub fn modal_lift_off_opened(structure: &ModalStructure, at: ModeAtRest<'_>, energy: f64) -> Result<Grazing, HbmError> {
     let omega = at.omega_squared.max(0.0).sqrt();
     let felt = Felt::of(structure, at)?;
     let mut opening = vec![0.0; structure.n_contacts()];
@@ -138,13 +142,15 @@ pub fn modal_lift_off_opened(
         }
     };
     let (energy, damping) = (0.25 * at.omega_squared * amplitude * amplitude, modal_damping(structure, at.shape));
-    // A stop that presses hardly moves before it is left: what this energy does to the structure is a length.
+    // A stop that presses hardly moves before it is left: what this energy does to the structure is a length too.
+    let moved = |i: usize| (0..at.shape.len()).map(|k| structure.rows()[(i, k)] * at.shape[k]).sum::<f64>();
+    let largest = amplitude.abs() * max_norm((0..structure.n_contacts()).map(moved));
     let length = match at.closed[contact] {
-        true => 2.0 * (energy * compliance_at(structure, contact, at.omega_squared)).sqrt(),
-        false => felt.guards[contact].max(opening[contact]),
+        true => largest.max(2.0 * (energy * compliance_at(structure, contact, at.omega_squared)).sqrt()),
+        false => largest,
     };
     let padded = |eta: &[f64]| eta.iter().copied().chain(std::iter::repeat(0.0)).take(structure.n_modes()).collect();
-    Ok(ModalGrazing {
+    Ok(Grazing {
         mode: at.mode,
         omega,
         damping_ratio: damping / (2.0 * omega),
@@ -153,6 +159,7 @@ pub fn modal_lift_off_opened(
         contact,
         length,
         opening,
+        lifts_off: at.closed[contact],
         mean: padded(at.rest),
         shape: padded(at.shape),
     })
@@ -173,7 +180,7 @@ fn compliance_at(structure: &ModalStructure, contact: usize, omega_squared: f64)
     structure.compliance().a()[(contact, contact)] + modal
 }
 
-fn unless_touching(structure: &ModalStructure, start: ModalGrazing) -> Result<ModalGrazing, HbmError> {
+pub(crate) fn unless_touching(structure: &ModalStructure, start: Grazing) -> Result<Grazing, HbmError> {
     match start.opening.iter().position(|by| *by > 0.0) {
         Some(contact) => Err(HbmError::TouchesAtRest { contact, gap: structure.gaps()[contact] }),
         None => Ok(start),
@@ -185,7 +192,7 @@ fn unless_touching(structure: &ModalStructure, start: ModalGrazing) -> Result<Mo
 /// # Errors
 /// [`HbmError::NoSuchMode`], [`HbmError::RigidBodyMode`], [`HbmError::NeverTouches`], [`HbmError::TouchesAtRest`] or
 /// [`HbmError::PressedAtRest`].
-pub fn modal_grazing(structure: &ModalStructure, mode: usize) -> Result<ModalGrazing, HbmError> {
+pub fn modal_grazing(structure: &ModalStructure, mode: usize) -> Result<Grazing, HbmError> {
     unless_touching(structure, modal_grazing_opened(structure, mode, 1.0)?)
 }
 
@@ -193,7 +200,7 @@ pub fn modal_grazing(structure: &ModalStructure, mode: usize) -> Result<ModalGra
 ///
 /// # Errors
 /// [`HbmError::NoSuchMode`], [`HbmError::RigidBodyMode`], [`HbmError::NeverTouches`] or [`HbmError::PressedAtRest`].
-pub fn modal_grazing_opened(structure: &ModalStructure, mode: usize, energy: f64) -> Result<ModalGrazing, HbmError> {
+pub fn modal_grazing_opened(structure: &ModalStructure, mode: usize, energy: f64) -> Result<Grazing, HbmError> {
     let m = structure.n_moving();
     if mode == 0 || mode > m {
         return Err(HbmError::NoSuchMode { mode, available: m });
@@ -205,8 +212,8 @@ pub fn modal_grazing_opened(structure: &ModalStructure, mode: usize, energy: f64
     let k = mode - 1;
     let largest = max_norm(structure.omega_squared()[..m].iter().copied());
     let square = structure.omega_squared()[k];
-    if square <= 1e-12 * largest {
-        let first_elastic = structure.omega_squared().iter().position(|w| *w > 1e-12 * largest).map(|k| k + 1);
+    if square <= STRAINLESS * largest {
+        let first_elastic = structure.omega_squared().iter().position(|w| *w > STRAINLESS * largest).map(|k| k + 1);
         return Err(HbmError::RigidBodyMode { mode, first_elastic });
     }
     let shape: Vec<f64> = (0..m).map(|j| f64::from(u8::from(j == k))).collect();
@@ -215,10 +222,30 @@ pub fn modal_grazing_opened(structure: &ModalStructure, mode: usize, energy: f64
     modal_lift_off_opened(structure, at, energy)
 }
 
-impl ModalGrazing {
+impl Grazing {
     /// Scales with which the problem has numbers near one.
     pub fn scales(&self) -> Scales {
         Scales { length: self.length, omega: self.omega, energy: self.energy }
+    }
+
+    /// What the energies of the branch are counted in, as a word: `grazing`, or `lift-off` of a stop that presses.
+    pub fn word(&self) -> &'static str {
+        if self.lifts_off { "lift-off" } else { "grazing" }
+    }
+
+    /// The same start with the angular frequency (rad/s) and the energy (J) that another method has for it.
+    pub fn counted_by(self, omega: f64, energy: f64) -> Self {
+        Self { omega, energy, ..self }
+    }
+
+    /// Displacements `b` of the contact coordinates in the linear mode, in phase with it, n_N, m.
+    pub fn contact_amplitudes(&self, structure: &CondensedStructure) -> Vec<f64> {
+        structure.contact_positions(&self.shape).into_iter().map(|b| self.amplitude * b).collect()
+    }
+
+    /// Displacements `b` of the contact coordinates at rest, n_N, m.
+    pub fn contacts_at_rest(&self, structure: &CondensedStructure) -> Vec<f64> {
+        structure.contact_positions(&self.mean)
     }
 
     /// Whether contacts touch at rest without force: the nonlinear mode then is nowhere linear, and this is the motion

@@ -1,10 +1,10 @@
 use nlmodes_contact::LcpMatrix;
-use nlmodes_linalg::{Mat, max_norm};
+use nlmodes_linalg::{Mat, max_norm, symmetric_eigen};
 use num_complex::Complex64;
 
 use super::damping::ModalDamping;
 use super::law::PlacedLaw;
-use crate::{CondensedStructure, HbmError};
+use crate::HbmError;
 
 /// A damped structure in open modes, with the static flexibility of what they leave over at the contacts.
 ///
@@ -106,22 +106,33 @@ impl ModalStructure {
         Ok(structure)
     }
 
-    /// Contacts, stops and gaps alone, of a structure whose motion is told otherwise.
-    pub(crate) fn without_modes(structure: &CondensedStructure) -> Self {
-        let (body, c) = (&structure.body, structure.n_contacts());
-        Self {
-            inertia: Vec::new(),
-            damped: Vec::new(),
-            omega_squared: Vec::new(),
-            rows: Mat::zeros(c, 0),
-            compliance: body.matrix().clone(),
-            stop_compliance: structure.model.stop_compliance(),
-            gaps: body.gaps().to_vec(),
-            damping: ModalDamping::none(0),
-            laws: Vec::new(),
-            law_samples: 0,
-            steady_force: Vec::new(),
+    /// The same undamped structure whose flexibility beyond the modes answers in harmonics, as its modes do, not at each
+    /// instant: with `A = Σ_r v_r v_rᵀ`, coordinates `s_r = v_rᵀ λ` without mass stand behind the modes, and open the gaps
+    /// by `v_r`. A displacement that goes with `A` is in harmonics either way.
+    ///
+    /// # Errors
+    /// [`HbmError::Linalg`], or [`HbmError::Compliance`] where a stop has no compliance of its own.
+    pub(crate) fn with_flexibility_in_harmonics(mut self) -> Result<Self, HbmError> {
+        let (c, m, a) = (self.n_contacts(), self.n_modes(), self.compliance.a());
+        let beyond = Mat::from_fn(c, c, |i, j| a[(i, j)] - if i == j { self.stop_compliance[i] } else { 0.0 });
+        let failed = |source| HbmError::Linalg { what: "flexibility beyond the modes", source };
+        let (values, vectors) = symmetric_eigen(&beyond).map_err(failed)?;
+        let largest = max_norm(values.iter().copied());
+        let kept: Vec<usize> = (0..c).filter(|&r| values[r] > f64::EPSILON * largest).collect();
+        self.rows = Mat::from_fn(c, m + kept.len(), |i, k| match k.checked_sub(m) {
+            None => self.rows[(i, k)],
+            Some(r) => vectors[(i, kept[r])] * values[kept[r]].sqrt(),
+        });
+        self.omega_squared.resize(m + kept.len(), 1.0);
+        self.inertia.resize(m + kept.len(), 0.0);
+        self.damping = ModalDamping::none(m + kept.len());
+        if !self.steady_force.is_empty() {
+            self.steady_force.resize(m + kept.len(), 0.0);
         }
+        let own = &self.stop_compliance;
+        let compliance = LcpMatrix::new(&Mat::from_fn(c, c, |i, j| if i == j { own[i] } else { 0.0 }));
+        self.compliance = compliance.map_err(HbmError::Compliance)?;
+        Ok(self)
     }
 
     /// The same structure with other gaps, m, c.
@@ -198,7 +209,7 @@ impl ModalStructure {
 
     /// Number of modes that have mass, which come first.
     pub fn n_moving(&self) -> usize {
-        self.inertia.len() - self.damped.len()
+        self.inertia.iter().filter(|mass| **mass > 0.0).count()
     }
 
     /// Mass of each coordinate, m: one of a mode, none of a stop that dissipates.

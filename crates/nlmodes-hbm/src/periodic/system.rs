@@ -5,14 +5,14 @@ use nlmodes_continuation::{Boundary, Linearization, ParametricSystem};
 use num_complex::Complex64;
 
 use super::analyses::Coordinates;
-use super::block::{Asked, HarmonicBlock, LinearResponse, ModalMotion};
+use super::block::{Asked, HarmonicBlock, LinearResponse};
 use super::closing_equations::{Functional, Motion};
 use super::law::LawOperator;
 use super::load::Load;
 use super::operating_point::{Closing, Column, OperatingPoint};
 use super::rows::{Assembly, add_weights, complex_harmonic, write_harmonic};
 use super::structure::ModalStructure;
-use crate::energy::inner;
+use crate::trigonometric::inner;
 use crate::{ContactOperator, HbmError, MAX_HARMONICS, RealSeries, Scales, Switching, Symmetry};
 
 /// What distinguishes one periodic problem from another on the same structure.
@@ -247,8 +247,8 @@ impl PeriodicSystem {
     }
 
     /// Modal coordinates of harmonic `n` of the motion solved last.
-    pub(crate) fn modal_motion(&self, n: usize, at: OperatingPoint) -> ModalMotion {
-        self.response.modal_motion(n, at, &self.load, &self.blocks[n])
+    pub(crate) fn modal_coordinates(&self, n: usize, at: OperatingPoint) -> Vec<Complex64> {
+        self.response.modal_motion(n, at, &self.load, &self.blocks[n], false).eta
     }
 
     /// Gaps without contact forces of the coefficients `x`; `moved` is what the load [adds](Self::load_gaps).
@@ -308,7 +308,7 @@ impl PeriodicSystem {
     }
 
     /// Contact forces of harmonic `n`, and the reactions of laws behind them.
-    pub(super) fn forces_of_harmonic(&self, n: usize) -> Vec<Complex64> {
+    pub(crate) fn forces_of_harmonic(&self, n: usize) -> Vec<Complex64> {
         let of = |real: &[f64]| complex_harmonic(self.series(), real, n);
         let mut forces = of(&self.forces);
         forces.resize(self.structure.n_contacts(), Complex64::default());
@@ -375,7 +375,7 @@ impl PeriodicSystem {
             at,
             p,
             x: &x[..self.n_coefficients()],
-            eta: &|n| self.modal_motion(n, at).eta,
+            eta: &|n| self.modal_coordinates(n, at),
             kinetic_energy: self.blocks.iter().map(|block| block.kinetic.value).sum(),
             forces: &|n| self.forces_of_harmonic(n),
             load: &self.load,
@@ -398,7 +398,8 @@ impl PeriodicSystem {
             let (x, force) = self.response.pull(*n, at, &self.blocks[*n], weights);
             add_weights(series, *n, &x, 1.0, &mut by_x);
             add_weights(series, *n, &force, 1.0, &mut by_generalised);
-            for (by, d_eta) in by.iter_mut().zip(&self.modal_motion(*n, at).d_eta) {
+            let motion = self.response.modal_motion(*n, at, &self.load, &self.blocks[*n], true);
+            for (by, d_eta) in by.iter_mut().zip(&motion.d_eta) {
                 *by += weights.iter().zip(d_eta).map(|(w, d)| (w * d).re).sum::<f64>();
             }
         }

@@ -46,7 +46,8 @@ fn one_harmonic_branch_satisfies_the_describing_function_and_a_dense_solution_of
     for point in &branch.points {
         assert!(point.residual < 1e-10, "residual {:e}", point.residual);
         let omega = problem.omega(&point.x);
-        let b = [0, 1].map(|n| point.x[n] * problem.scales().length);
+        // The gap opens by −b.
+        let b = [0, 1].map(|n| -point.x[n] * problem.scales().length);
         let q = clamped(b[0], b[1]);
         let moving = response(&full, omega);
         // The dense matrix has a condition number of about 1e4, so its own rounding is near 1e-12.
@@ -101,7 +102,7 @@ fn grazing_is_the_closed_form_of_the_discrete_rod() {
         let found = nlmodes_hbm::grazing(&structure, mode).unwrap();
         assert!((found.omega / expected.omega - 1.0).abs() < 1e-11, "mode {mode}: {}", found.omega);
         assert!((found.energy / expected.grazing_energy(GAP) - 1.0).abs() < 1e-9, "mode {mode}: {}", found.energy);
-        assert!((found.fundamental[0].abs() / GAP - 1.0).abs() < 1e-12);
+        assert!((found.contact_amplitudes(&structure)[0].abs() / GAP - 1.0).abs() < 1e-12);
     }
     let first = nlmodes_hbm::grazing(&structure, 1).unwrap();
     assert!((first.energy / 8.150_553_44e8 - 1.0).abs() < 1e-8, "{:e}", first.energy);

@@ -5,7 +5,7 @@ use crate::support;
 use std::f64::consts::TAU;
 
 use nlmodes_continuation::{EventKind, Linearization, ParametricSystem};
-use nlmodes_hbm::{CondensedStructure, MixedShooting, Projection, Switching, Symmetry};
+use nlmodes_hbm::{CondensedStructure, MixedShooting, Switching, Symmetry};
 use nlmodes_modal::HarmonicCoefficients;
 use nlmodes_model::{Drop, MasslessContactModel, Side, StructuralModel, linear_modes};
 use num_complex::Complex64;
@@ -231,22 +231,21 @@ fn modal_coordinates_are_those_that_a_motion_was_put_together_of() {
     let structure = condense(&rod(6, 2.0, 3.0, 1.0, &[(6, Side::Positive, 1.0)]));
     let model = structure.model();
     let (linear, dofs) = (linear_modes(model.mass(), model.stiffness(), 3).unwrap(), model.dofs().len());
-    let onto = Projection::new(&structure, &linear);
     let eta = |k: usize, n: usize| Complex64::new(1.0 + k as f64, n as f64 - 0.5 * k as f64);
     let mut motion = HarmonicCoefficients::zeros(dofs, 2);
     for (d, n) in (0..dofs).flat_map(|d| (0..=2).map(move |n| (d, n))) {
         motion.of_mut(d)[n] = (0..3).map(|k| eta(k, n) * linear.shapes[(d, k)]).sum();
     }
-    let found = onto.of_motion(&motion).unwrap();
+    let found = structure.modal_coordinates(&motion, 3).unwrap();
     for (k, n) in (0..3).flat_map(|k| (0..=2).map(move |n| (k, n))) {
         assert!((found.of(k)[n] - eta(k, n)).norm() < 1e-12, "{k} {n}: {}", found.of(k)[n]);
     }
-    assert!(onto.of_motion(&HarmonicCoefficients::zeros(dofs - 1, 2)).is_none());
+    assert!(structure.modal_coordinates(&HarmonicCoefficients::zeros(dofs - 1, 2), 3).is_err());
     let (mut problem, start) = problem(&structure, 1, 5, Symmetry::Even, Switching::Exact);
     let branch = follow(&mut problem, &start, 3.0);
     let x = &branch.points.last().unwrap().x;
-    let (modal, whole) = (problem.modal_coordinates(x, &onto).unwrap(), problem.modal_point(x, 0.0).unwrap());
-    let whole = onto.of_motion(&whole.coefficients).unwrap();
+    let (modal, whole) = (problem.modal_coordinates(x).unwrap(), problem.modal_point(x, 0.0).unwrap());
+    let whole = structure.modal_coordinates(&whole.coefficients, 3).unwrap();
     for (k, n) in (0..3).flat_map(|k| (0..=5).map(move |n| (k, n))) {
         assert!((modal.of(k)[n] - whole.of(k)[n]).norm() < 1e-11, "{k} {n}: {} {}", modal.of(k)[n], whole.of(k)[n]);
     }

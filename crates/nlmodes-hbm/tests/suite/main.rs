@@ -10,7 +10,6 @@ mod hertz;
 mod invariants;
 mod jacobian;
 mod laws;
-mod one_formulation;
 mod one_sided_spring;
 mod open_modes;
 mod pattern_changes;

@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 
 use nlmodes_hbm::{CondensedStructure, MixedShooting, Switching, Symmetry};
 use nlmodes_linalg::sparse_from_triplets;
-use nlmodes_model::{Contact, Dof, DofKind, Drop, Side, StructuralModel};
+use nlmodes_model::{Contact, ContactCoordinates, Dof, DofKind, Drop, Side, StructuralModel};
 use support::{condense, condense_tips, fitted_slope, follow, problem, settle};
 
 const GAP: f64 = 1.0;
@@ -69,15 +69,23 @@ impl Oscillator {
         -free[1] * (free[2] * (0.5 * self.period() - t)).cos()
     }
 
-    /// Scaled unknowns of the motion, to begin Newton's method with: b is x, at rest before the stop by one.
+    /// Scaled unknowns of the motion, to begin Newton's method with: the gap opens by −x, at rest before
+    /// the stop by one.
     fn unknowns(&self, problem: &MixedShooting) -> (Vec<f64>, f64) {
         let (h, samples) = (problem.series().n_harmonics, 1 << 12);
+        // A node without mass that moves in harmonics is where the springs before and behind it share x − g.
+        let model = problem.structure().model();
+        let yields = match model.contact_coordinates() {
+            ContactCoordinates::Nodes => 1.0,
+            ContactCoordinates::SpringTips => self.k_s * model.contacts()[0].law.compliance(),
+        };
+        let node = |x: f64| if x > GAP { GAP + yields * (x - GAP) } else { x };
         let cosine = |n: usize| {
             let at = |j: usize| TAU * j as f64 / samples as f64;
-            let sum: f64 = (0..samples).map(|j| self.x(at(j)) * (n as f64 * at(j)).cos()).sum();
+            let sum: f64 = (0..samples).map(|j| node(self.x(at(j))) * (n as f64 * at(j)).cos()).sum();
             sum * if n == 0 { 1.0 } else { 2.0 } / samples as f64
         };
-        let mut x: Vec<f64> = (0..=h).map(cosine).collect();
+        let mut x: Vec<f64> = (0..=h).map(|n| -cosine(n)).collect();
         x.push(self.omega() / (self.k / self.m).sqrt());
         (x, (self.kinetic() / (0.25 * self.k * GAP * GAP)).ln())
     }
@@ -219,9 +227,10 @@ fn mixed_shooting_before_an_elastic_stop_is_two_springs_in_series() {
 
 /// Frequency at twice the energy of the largest displacement 1.7 before the rigid stop.
 fn frequency(structure: &CondensedStructure, harmonics: usize, guess: &Oscillator) -> f64 {
-    let (mut problem, _) = problem(structure, 1, harmonics, Symmetry::Even, Switching::Exact);
-    let (x, p) = guess.unknowns(&problem);
-    let (x, residual) = settle(&mut problem, x, p);
+    let (mut problem, start) = problem(structure, 1, harmonics, Symmetry::Even, Switching::Exact);
+    let (_, p) = guess.unknowns(&problem);
+    let branch = follow(&mut problem, &start, p.exp());
+    let (x, residual) = settle(&mut problem, branch.points.last().unwrap().x.clone(), p);
     assert!(residual < 1e-11, "residual {residual:e}");
     problem.omega(&x)
 }

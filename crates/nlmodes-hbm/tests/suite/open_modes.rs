@@ -1,4 +1,4 @@
-//! Held modes (this crate) against open modes (`nlmodes-reduction`) of the same structure without the mass of its
+//! Modes with the contacts held against those with open contacts of the same structure without the mass of its
 //! contact nodes.
 
 use crate::support;
@@ -7,7 +7,7 @@ use nlmodes_continuation::{Linearization, ParametricSystem};
 use nlmodes_hbm::{CondensedStructure, Coordinates, ModalDamping, PeriodicSystem, Symmetry, modal_grazing};
 use nlmodes_linalg::{DenseLu, Mat};
 use nlmodes_model::{Drop, MasslessContactModel, Side};
-use nlmodes_reduction::{ModeCount, OpenModes};
+use nlmodes_reduction::{HeldModes, ModeCount, OpenModes};
 use support::modal::{Open, newton, settings, solver};
 use support::rod;
 
@@ -27,10 +27,11 @@ fn held_transfer(structure: &CondensedStructure, nu_squared: f64) -> Mat<f64> {
     let model = structure.model();
     let psi = solve(&model.k_ll().to_dense(), model.k_ln());
     let mut t = solve(model.k_nn(), &(model.k_ln().transpose() * psi));
-    for mode in structure.modes() {
+    for mode in HeldModes::new(model, usize::MAX).unwrap().modes {
         let weight = nu_squared / (mode.lambda * (mode.lambda - nu_squared));
+        let h = solve(model.k_nn(), &Mat::from_fn(t.nrows(), 1, |i, _| mode.g[i]));
         for j in 0..t.ncols() {
-            (0..t.nrows()).for_each(|i| t[(i, j)] += weight * mode.h[i] * mode.g[j]);
+            (0..t.nrows()).for_each(|i| t[(i, j)] += weight * h[(i, 0)] * mode.g[j]);
         }
     }
     t

@@ -16,7 +16,7 @@ fn changes(ea: f64, rho_a: f64, length: f64, gap: f64, longest: f64) -> Vec<f64>
     let structure = condense(&rod(60, ea, rho_a, length, &[(60, Side::Positive, gap)]));
     let (mut problem, start) = problem(&structure, 1, 14, Symmetry::Even, Switching::Exact);
     let dim = problem.dim();
-    let (x, direction) = (start.unknowns(problem.series(), dim), start.direction(problem.series(), dim));
+    let (x, direction) = problem.start(&start);
     let settings = Continuation {
         bounds: vec![Bound { coordinate: dim, min: -8.0, max: 20_f64.ln() }],
         step: StepSettings { max: longest, far: 10.0, ..StepSettings::default() },

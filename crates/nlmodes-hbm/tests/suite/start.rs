@@ -69,16 +69,16 @@ fn a_mode_at_grazing_just_touches_the_stop_that_it_meets_first() {
     let structure = condense(&model);
     for mode in [1, 2, 3] {
         let found = grazing(&structure, mode).unwrap();
+        let (at_rest, amplitudes) = (found.contacts_at_rest(&structure), found.contact_amplitudes(&structure));
         let closest = |(i, (node, side, gap)): (usize, &(usize, Side, f64))| {
             let d = structure.model().contact_dofs().iter().position(|dof| dof + 1 == *node).unwrap();
             // Toward its stop: the motion at τ = 0 of the one that grazes, either way of the others.
-            let [mean, swing] = [found.mean[d], found.fundamental[d]].map(|q| side.sign() * q);
+            let [mean, swing] = [at_rest[d], amplitudes[d]].map(|q| side.sign() * q);
             gap - mean - if i == found.contact { swing } else { swing.abs() }
         };
         let gaps: Vec<f64> = stops.iter().enumerate().map(closest).collect();
         assert!(gaps[found.contact].abs() < 1e-15 && gaps.iter().all(|gap| *gap > -1e-15), "{mode}: {gaps:?}");
-        let largest = found.fundamental.iter().fold(0.0_f64, |most, q| most.max(q.abs()));
-        assert_eq!(found.amplitude(), largest);
+        let largest = amplitudes.iter().fold(0.0_f64, |most, q| most.max(q.abs()));
         assert!(largest > 0.0 && largest < 0.2, "{largest}");
         assert!(found.opening == [0.0; 3] && !found.touches_at_rest(), "{:?}", found.opening);
     }

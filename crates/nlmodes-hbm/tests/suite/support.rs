@@ -92,7 +92,7 @@ pub fn problem<'s>(
 /// Follows the branch from grazing to `ratio` times the energy there.
 pub fn follow(problem: &mut MixedShooting, start: &Grazing, ratio: f64) -> Branch {
     let dim = problem.dim();
-    let (x, direction) = (start.unknowns(problem.series(), dim), start.direction(problem.series(), dim));
+    let (x, direction) = problem.start(start);
     let bounds = vec![Bound { coordinate: dim, min: -8.0, max: ratio.ln() }];
     let continuation = Continuation { bounds, max_points: 2000, ..Default::default() };
     continuation.run(problem, &x, 0.0, &direction, |_| ControlFlow::Continue(())).unwrap()

@@ -53,7 +53,8 @@ impl ClosedForm {
         -self.a * (OMEGA_FREE * (0.5 * self.period() - t)).cos()
     }
 
-    /// Scaled unknowns of the motion, to begin Newton's method with: here b is x, and the scales are 1 and √6.
+    /// Scaled unknowns of the motion, to begin Newton's method with: the gap opens by −x, and the scales are 1 and
+    /// √6.
     fn unknowns(&self, problem: &MixedShooting) -> (Vec<f64>, f64) {
         let (h, samples) = (problem.series().n_harmonics, 1 << 13);
         let cosine = |n: usize| {
@@ -63,7 +64,7 @@ impl ClosedForm {
                 .sum();
             sum * if n == 0 { 1.0 } else { 2.0 } / samples as f64
         };
-        let mut x: Vec<f64> = (0..=h).map(cosine).collect();
+        let mut x: Vec<f64> = (0..=h).map(|n| -cosine(n)).collect();
         x.push(self.omega() / OMEGA_FREE);
         (x, (self.kinetic() / 0.5).ln())
     }

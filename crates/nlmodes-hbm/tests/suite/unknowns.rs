@@ -38,10 +38,10 @@ fn branches_begin_at_solutions_and_along_their_tangents() {
             for mode in [1, 2] {
                 for symmetry in SYMMETRIES {
                     let (mut problem, start) = problem(&structure, mode, 4, symmetry, Switching::Exact);
-                    let (dim, series) = (problem.dim(), problem.series());
-                    let mut at = Linearization::new(dim);
-                    problem.linearize(&start.unknowns(series, dim), 0.0, &mut at).unwrap();
-                    let along = defect(&at, &start.direction(series, dim));
+                    let (x, direction) = problem.start(&start);
+                    let mut at = Linearization::new(problem.dim());
+                    problem.linearize(&x, 0.0, &mut at).unwrap();
+                    let along = defect(&at, &direction);
                     assert!(at.residual_norm() < 1e-9 && along < 1e-5, "{:e} {along:e}", at.residual_norm());
                 }
                 let open = Open::massless(&model);

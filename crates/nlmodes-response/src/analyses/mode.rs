@@ -1,6 +1,6 @@
 use nlmodes_contact::{LcpSolver, solver_by_name};
 use nlmodes_continuation::{Bound, ParametricSystem};
-use nlmodes_hbm::{HbmError, ModalGrazing, PeriodicSystem, Symmetry};
+use nlmodes_hbm::{Grazing, HbmError, PeriodicSystem, Symmetry};
 
 use super::touching::{as_gaps_close, growing};
 use crate::follow::{Curve, newton};
@@ -93,7 +93,7 @@ fn free_motion(
 /// there is none.
 fn from_undamped(
     system: &PeriodicSystem,
-    start: &ModalGrazing,
+    start: &Grazing,
     by: (&ResponseSettings, &dyn LcpSolver),
 ) -> Result<Option<Vec<f64>>, ResponseError> {
     let (periodic, scales) = (by.0.periodic(), start.scales());

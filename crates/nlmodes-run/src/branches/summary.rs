@@ -212,7 +212,7 @@ pub fn write(
             frequency_hz: computed.grazing.omega / TAU,
             energy_j: computed.grazing.energy,
             contact: computed.grazing.contact,
-            contact_amplitude_m: computed.grazing.amplitude(),
+            contact_amplitude_m: amplitude_at_contacts(computed),
         },
         method: method_used(scene, computed),
         reduction: about.open.map(|open| Reduction::new(scene, open, computed.grazing.contact)),
@@ -238,6 +238,11 @@ pub fn write(
     Ok(write_summary(directory.join("summary.json"), &summary)?)
 }
 
+/// Largest displacement of a contact coordinate in the linear mode at grazing, m.
+fn amplitude_at_contacts(computed: &ComputedBranch) -> f64 {
+    computed.grazing.contact_amplitudes(&computed.structure).iter().fold(0.0, |largest, b| largest.max(b.abs()))
+}
+
 pub fn method_used(scene: &Scene, computed: &ComputedBranch) -> MethodUsed {
     MethodUsed {
         name: match scene.method.kind {
@@ -254,7 +259,7 @@ pub fn method_used(scene: &Scene, computed: &ComputedBranch) -> MethodUsed {
             Some(_) => "full Fourier series with a phase anchor and an unfolding parameter",
         },
         held_modes: computed.structure.n_held_modes(),
-        held_modes_at_contacts: computed.structure.modes().len(),
+        held_modes_at_contacts: computed.structure.n_coupled_modes(),
         recorded_coordinates: computed.structure.recorded_dofs().len(),
         degrees_of_freedom: computed.structure.model().dofs().len(),
         largest_unfolding: computed.largest_unfolding,

@@ -71,7 +71,7 @@ const FOLDS: usize = 6;
 fn wandered(computed: &ComputedBranch) -> Option<String> {
     let points = &computed.branch.points;
     let folds = points.iter().filter(|p| p.has_event(Event::Fold) || p.has_event(Event::FrequencyFold)).count();
-    let modes = computed.structure.modes().len();
+    let modes = computed.structure.n_coupled_modes();
     (computed.is_exact() && folds >= FOLDS).then(|| {
         format!(
             "; it turned {folds} times, on tongues of internal resonances with its {modes} modes (fewer \

@@ -34,7 +34,7 @@ fn mixed_shooting(
 fn point_at(structure: &CondensedStructure, harmonics: usize, switching: Switching, ratio: f64) -> ModalPoint {
     let (mut problem, start) = mixed_shooting(structure, harmonics, switching);
     let dim = problem.dim();
-    let (x, direction) = (start.unknowns(problem.series(), dim), start.direction(problem.series(), dim));
+    let (x, direction) = problem.start(&start);
     let bounds = vec![Bound { coordinate: dim, min: -8.0, max: f64::ln(ratio) }];
     let method = Continuation { bounds, max_points: 2000, ..Default::default() };
     let branch = method.run(&mut problem, &x, 0.0, &direction, |_| ControlFlow::Continue(())).unwrap();
@@ -99,7 +99,8 @@ impl Comparison {
             let sum: f64 = self.b_t.iter().enumerate().map(|(j, b)| b * phase(j).cos()).sum();
             sum * if n == 0 { 1.0 } else { 2.0 } / SAMPLES as f64
         };
-        let mut x: Vec<f64> = (0..=harmonics).map(|n| cosine(n) / start.scales().length).collect();
+        // The gap opens by −b.
+        let mut x: Vec<f64> = (0..=harmonics).map(|n| -cosine(n) / start.scales().length).collect();
         x.push(self.reference.omega / start.omega);
         let p = (self.reference.kinetic_energy / start.energy).ln();
         let (x, residual) = settle(&mut problem, x, p);

@@ -78,7 +78,8 @@ fn modes_that_leave_the_contacts_at_rest_change_nothing_when_they_are_left_out()
     let reduced = GalerkinReduction::new(full.clone(), usize::MAX).unwrap();
     // Four axial degrees of freedom of the beam, and the mass of the tip's deflection, are removed.
     assert_eq!((full.linear_dofs().len(), reduced.n_modes()), (11, 7));
-    let (mut all, mut few) = (ContactDynamics::new(full.clone()).unwrap(), reduced.dynamics().unwrap());
+    let (mut all, mut few) =
+        (ContactDynamics::new(full.clone()).unwrap(), ContactDynamics::new(reduced.model().clone()).unwrap());
     let start = all.grazing(0.0).unwrap();
     let bent = ModalState { z: start.state.z.iter().map(|z| 3.0 * z).collect(), v: start.state.v.clone() };
     let (q, _) = all.displacement_and_velocity(&bent).unwrap();

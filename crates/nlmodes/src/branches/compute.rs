@@ -142,7 +142,7 @@ fn computed(
     Traced { found, end, origin }: Traced,
 ) -> ComputedBranch {
     let name = if number == 0 {
-        label(settings, structure.model().contact_coordinates(), structure.modes().len())
+        label(settings, structure.model().contact_coordinates(), structure.n_coupled_modes())
     } else {
         format!("branch {number}")
     };
@@ -182,7 +182,7 @@ pub(super) fn begin(structure: &CondensedStructure, settings: &BranchSettings) -
             let start = grazing(structure, settings.mode)?;
             let problem = exact(structure.model(), settings, &start)?;
             let own = problem.grazing();
-            Ok(Grazing { omega: own.omega, energy: own.energy, ..start })
+            Ok(start.counted_by(own.omega, own.energy))
         }
     }
 }

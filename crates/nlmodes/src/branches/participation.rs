@@ -1,6 +1,5 @@
-use nlmodes_hbm::{HbmError, Projection};
-use nlmodes_modal::Participation;
-use nlmodes_model::{LinearModes, open_modes};
+use nlmodes_hbm::HbmError;
+use nlmodes_modal::{HarmonicCoefficients, Participation};
 
 use super::{BranchError, ComputedBranch};
 
@@ -10,29 +9,26 @@ impl ComputedBranch {
     /// the phase anchor.
     ///
     /// # Errors
-    /// [`BranchError`] if the linear modes cannot be computed.
-    pub fn participation(&self, modes: usize) -> Result<Vec<Participation>, BranchError> {
-        self.participation_in(&open_modes(self.structure.model(), modes).map_err(HbmError::from)?)
-    }
-
-    /// The same of linear modes that are known.
-    ///
-    /// # Errors
     /// [`BranchError`] if a point cannot be evaluated again.
-    pub fn participation_in(&self, linear: &LinearModes) -> Result<Vec<Participation>, BranchError> {
-        let onto = Projection::new(&self.structure, linear);
+    pub fn participation(&self, modes: usize) -> Result<Vec<Participation>, BranchError> {
         let anchor = self.branch.contact_coordinate.unwrap_or(0);
         let both = self.branch.points.iter().zip(&self.unknowns).enumerate();
         both.map(|(number, (point, x))| {
-            let modal = match onto.of_motion(&point.coefficients) {
-                Some(modal) => modal,
-                // The point holds some degrees of freedom only: the sum over all of them is done in the reduced
-                // coordinates.
-                None => self.problem(number)?.modal_coordinates(x, &onto)?,
+            let is_whole = point.coefficients.n_coordinates() == self.structure.model().dofs().len();
+            let modal = match is_whole {
+                true => self.structure.modal_coordinates(&point.coefficients, modes)?,
+                false => lowest(&self.problem(number)?.modal_coordinates(x)?, modes),
             };
             let fundamental = point.coefficients.of(anchor)[1];
             Ok(Participation::of_point(point, &modal, fundamental).map_err(HbmError::from)?)
         })
         .collect()
     }
+}
+
+/// The first coordinates of a motion.
+fn lowest(all: &HarmonicCoefficients, count: usize) -> HarmonicCoefficients {
+    let mut some = HarmonicCoefficients::zeros(count.min(all.n_coordinates()), all.n_harmonics());
+    (0..some.n_coordinates()).for_each(|k| some.of_mut(k).copy_from_slice(all.of(k)));
+    some
 }

@@ -1,7 +1,7 @@
 //! The periodic problem of a branch, in harmonics or exact.
 
 use nlmodes_continuation::{Boundary, Linearization, ParametricSystem, Scaling};
-use nlmodes_hbm::{Grazing, HbmError, MixedShooting, Projection};
+use nlmodes_hbm::{CondensedStructure, Grazing, HbmError, MixedShooting};
 use nlmodes_modal::{ClosedSpan, HarmonicCoefficients, ModalPoint, TimeHistory};
 use nlmodes_timestep::{ModeShooting, TimestepError};
 use thiserror::Error;
@@ -99,20 +99,17 @@ impl<'s> Periodic<'s> {
         })
     }
 
-    /// Modal coordinates of the point with the unknowns `x`, whose motion is `motion`.
+    /// Coordinates of the point with the unknowns `x` in the open modes of the structure; `motion` is what it does.
     pub fn modal_coordinates(
         &mut self,
+        structure: &CondensedStructure,
         x: &[f64],
         motion: &HarmonicCoefficients,
-        onto: &Projection,
     ) -> Result<HarmonicCoefficients, PeriodicError> {
-        if let Some(modal) = onto.of_motion(motion) {
-            return Ok(modal);
-        }
         Ok(match &mut self.equations {
-            Equations::Harmonics(problem) => problem.modal_coordinates(x, onto)?,
+            Equations::Harmonics(problem) => problem.modal_coordinates(x)?,
             // Exact motions are those of all degrees of freedom.
-            Equations::Exact(_) => HarmonicCoefficients::zeros(0, 0),
+            Equations::Exact(_) => structure.modal_coordinates(motion, usize::MAX)?,
         })
     }
 

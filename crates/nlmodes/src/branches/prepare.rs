@@ -7,7 +7,7 @@ use nlmodes_continuation::{AtBranchPoint, Bound, Continuation, StepSettings};
 use nlmodes_hbm::{
     CondensedStructure, Grazing, MixedShooting, MixedShootingSettings, Symmetry, TruncationEstimator, grazing_opened,
 };
-use nlmodes_model::{ContactCoordinates, DofKind, MasslessContactModel};
+use nlmodes_model::MasslessContactModel;
 use nlmodes_timestep::{GalerkinReduction, MAX_SHOOTING_MODES, ModeShooting, TimestepError};
 
 use super::periodic::Periodic;
@@ -27,9 +27,6 @@ const ALL_HELD_MODES: usize = 400;
 
 /// No more are computed at first where not all are: how far they reach tells how many it takes.
 const MOST_HELD_MODES_AT_FIRST: usize = 64;
-
-/// Up to so many directions the motions of the contacts are the unknowns, not the open modes.
-const FEW_DIRECTIONS: usize = 8;
 
 /// What is done before a branch begins.
 const LINEAR_MODES: &str = "computing linear modes";
@@ -58,7 +55,7 @@ pub(super) fn condense(
         let structure = CondensedStructure::new(model.clone(), count.min(size))?;
         let top = settings.frequency_hz.map(|w| w[1] * TAU);
         let top = top.map_or_else(|| Ok(2.0 * linear_start(&structure, settings)?.omega), Ok::<f64, BranchError>)?;
-        let highest = structure.modes().last().map_or(0.0, |m| m.lambda.sqrt());
+        let highest = structure.highest_frequency();
         let least = 20.0 * settings.harmonics as f64 * top;
         if count >= size || highest > least {
             return Ok(structure);
@@ -115,7 +112,8 @@ pub(super) fn exact(
     if settings.symmetry == Symmetry::None {
         return Err(BranchError::NotEven);
     }
-    let reduced = GalerkinReduction::new(model.clone(), shooting_modes(model, settings)?)?;
+    let reduced =
+        GalerkinReduction::new(model.clone(), shooting_modes(model, settings)?).map_err(TimestepError::from)?;
     Ok(ModeShooting::new(reduced, start.omega, settings.harmonics)?)
 }
 
@@ -134,25 +132,7 @@ pub(super) fn problem<'s>(
     start: &Grazing,
 ) -> Result<MixedShooting<'s>, BranchError> {
     let solver = solver_by_name(&settings.contact_solver)?;
-    let (method, scales) = (harmonic_settings(settings), start.scales());
-    Ok(if suits_open_modes(structure.model(), settings) {
-        MixedShooting::in_open_modes(structure, settings.mode, method, scales, solver.as_ref())?
-    } else {
-        MixedShooting::new(structure, method, scales, solver.as_ref())?
-    })
-}
-
-/// Whether the structure is one in open modes with many contacts, all of them open at rest, and nothing is asked for
-/// that only motions of the contacts as unknowns have.
-fn suits_open_modes(model: &MasslessContactModel, settings: &BranchSettings) -> bool {
-    let dofs = model.dofs();
-    model.contact_coordinates() == ContactCoordinates::Nodes
-        && model.contact_dofs().len() > FEW_DIRECTIONS
-        && model.linear_dofs().iter().all(|&i| dofs[i].kind == DofKind::Modal)
-        && model.contacts().iter().all(|contact| contact.gap > 0.0)
-        && model.steady_force().is_none()
-        && settings.accuracy.is_none()
-        && settings.held_modes.is_none()
+    Ok(MixedShooting::new(structure, harmonic_settings(settings), start.scales(), solver.as_ref())?)
 }
 
 pub(super) fn estimator<'s>(

@@ -9,7 +9,7 @@ use nlmodes_hbm::{CondensedStructure, FEW_HARMONICS, Grazing, RealSeries, Shrink
 
 use super::homotopy::{self, Effort};
 use super::periodic::Periodic;
-use super::prepare::{periodic, problem};
+use super::prepare::problem;
 use super::start::{Seed, one_point};
 use super::{BranchError, BranchSettings};
 
@@ -41,8 +41,7 @@ pub(super) fn beginning(
         }
         _ => {
             let (x, direction) = problem.start(start);
-            let (x, p) = with_few_modes(problem, settings, start, (&x, &direction), log)?.unwrap_or((x, 0.0));
-            Ok(before_contact(problem, settings, start, Seed { x, p, direction, harmonics: settings.harmonics }))
+            Ok(before_contact(problem, settings, start, Seed { x, p: 0.0, direction, harmonics: settings.harmonics }))
         }
     }
 }
@@ -68,45 +67,6 @@ fn before_contact(problem: &mut Periodic, settings: &BranchSettings, start: &Gra
     let shares = std::iter::once(0.0).chain(shares.take_while(|share| *share < ROUNDED));
     let found = shares.map(back).find(&mut is_clear);
     found.unwrap_or(seed)
-}
-
-/// The linear mode of a structure of which only some held modes are kept, at the amplitude at which it just touches: it
-/// is not quite that of the whole structure, and from there, where the contact closes for no time, Newton's method need
-/// not converge.
-///
-/// A motion that is clear of the stops is corrected, where nothing but linear equations are left, and its displacements
-/// are multiplied by what brings it to the stop. None with all held modes, with one contact coordinate, whose direction
-/// no mode changes, and where contacts are pressed at rest.
-fn with_few_modes(
-    problem: &Periodic,
-    settings: &BranchSettings,
-    start: &Grazing,
-    (x, direction): (&[f64], &[f64]),
-    log: &mut dyn RunLog,
-) -> Result<Option<(Vec<f64>, f64)>, BranchError> {
-    let Some(harmonic) = problem.harmonics() else { return Ok(None) };
-    let (structure, width) = (harmonic.structure(), harmonic.series().width());
-    let keeps_all = structure.n_held_modes() == structure.model().linear_dofs().len();
-    if keeps_all || start.mean.len() == 1 || start.mean.iter().any(|b| *b != 0.0) {
-        return Ok(None);
-    }
-    let (n, frequency, harmonics) = (start.mean.len(), harmonic.frequency_index(), harmonic.series().n_harmonics);
-    let mut own = periodic(structure, &BranchSettings { harmonics, ..settings.clone() }, start)?;
-    let mut clear = x.to_vec();
-    clear[..frequency].iter_mut().for_each(|b| *b *= CLEAR);
-    clear.push(2.0 * CLEAR.ln());
-    let Some((open, p)) = one_point(settings, start, &mut own, &clear, direction, log) else { return Ok(None) };
-    let w = structure.model().w();
-    let toward = |x: &[f64]| (0..n).map(|d| w[(d, start.contact)] * x[d * width + 1]).sum::<f64>();
-    let factor = toward(x) / toward(&open);
-    if !(factor.is_finite() && factor > 0.0) {
-        return Ok(None);
-    }
-    // Of all harmonics a linear mode has but the fundamental; what is in the others is what the corrector leaves.
-    let mut touching = x.to_vec();
-    (0..n).for_each(|d| touching[d * width + 1] = factor * open[d * width + 1]);
-    touching[frequency] = open[frequency];
-    Ok(Some((touching, p + 2.0 * factor.ln())))
 }
 
 /// The contacts are closed with few harmonics, whose backbone little interrupts, and the motion is then corrected with
@@ -153,7 +113,7 @@ fn refined_from(
         };
         (x, series) = (found, next);
     }
-    let direction = growing(&x, series, start);
+    let direction = growing(&x, &problem(structure, settings, start)?.coefficients_at_rest(start));
     Ok(Seed { x, p: 0.0, direction, harmonics: settings.harmonics })
 }
 
@@ -174,7 +134,7 @@ fn close(
     let mut direction = vec![0.0; dim + 1];
     direction[dim] = -1.0;
     let mut closing = Watched { system: &mut closing, watch: &settings.watch };
-    let x = start.unknowns(series, dim);
+    let x = closing.system.start(start);
     let branch = method
         .run_with_log(&mut closing, &x, 1.0, &direction, log, |_| ControlFlow::Continue(()))
         .map_err(|error| BranchError::NoStartTouching { reason: error.to_string() })?;
@@ -192,15 +152,9 @@ fn close(
 
 /// Direction of growing energy where motions can be multiplied: the distance from rest grows like the root of the
 /// energy.
-fn growing(x: &[f64], series: RealSeries, start: &Grazing) -> Vec<f64> {
-    let (width, length) = (series.width(), start.scales().length);
+fn growing(x: &[f64], rest: &[f64]) -> Vec<f64> {
     let mut direction = vec![0.0; x.len() + 1];
-    for (d, mean) in start.mean.iter().enumerate() {
-        for m in 0..width {
-            let rest = if m == 0 { mean / length } else { 0.0 };
-            direction[d * width + m] = 0.5 * (x[d * width + m] - rest);
-        }
-    }
+    direction.iter_mut().zip(x).zip(rest).for_each(|((to, x), rest)| *to = 0.5 * (x - rest));
     direction[x.len()] = 1.0;
     direction
 }

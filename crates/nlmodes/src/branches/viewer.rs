@@ -8,7 +8,7 @@ use nlmodes_modal::ModalPoint;
 
 use super::periodic::Periodic;
 use super::prepare::periodic;
-use super::resonances::Resonances;
+use super::resonances::resonance;
 use super::stability::{Probe, length};
 use super::{BranchError, BranchSettings};
 
@@ -19,9 +19,9 @@ const MOST_HALVINGS: usize = 40;
 
 /// What turns a solution into a modal point.
 pub(super) struct Viewer<'s> {
+    structure: &'s CondensedStructure,
     problem: Periodic<'s>,
     harmonics: usize,
-    resonances: Resonances<'s>,
     probe: Probe,
 }
 
@@ -32,9 +32,9 @@ impl<'s> Viewer<'s> {
         grazing: &Grazing,
     ) -> Result<Self, BranchError> {
         Ok(Self {
+            structure,
             problem: periodic(structure, settings, grazing)?,
             harmonics: settings.harmonics,
-            resonances: Resonances::new(structure),
             probe: Probe::new(structure.model(), settings, grazing),
         })
     }
@@ -57,9 +57,9 @@ impl<'s> Viewer<'s> {
     /// The modal point of a solution; `None` if it cannot be evaluated again.
     pub fn see(&mut self, x: &[f64], residual: f64) -> Option<ModalPoint> {
         let mut modal = self.problem.modal_point(x, residual).ok()?;
-        let problem = &mut self.problem;
-        modal.resonance =
-            self.resonances.of(&modal, |onto| problem.modal_coordinates(x, &modal.coefficients, onto).ok());
+        let (structure, problem) = (self.structure, &mut self.problem);
+        let project = || problem.modal_coordinates(structure, x, &modal.coefficients).ok();
+        modal.resonance = resonance(structure, &modal, project);
         modal.stability = self.probe.of(&mut self.problem, x, &modal);
         // An exact motion has more harmonics than were asked for, by which its resonances are known.
         if modal.coefficients.n_harmonics() > self.harmonics {

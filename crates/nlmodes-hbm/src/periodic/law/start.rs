@@ -4,7 +4,7 @@ use nlmodes_linalg::{DenseLu, Mat, max_norm, symmetric_eigen};
 
 use super::PlacedLaw;
 use crate::periodic::structure::ModalStructure;
-use crate::{HbmError, ModalGrazing, ModeAtRest, modal_lift_off};
+use crate::{Grazing, HbmError, ModeAtRest, modal_lift_off};
 
 /// Share of the squared frequency by which laws may change it where a nonlinear mode begins: its start is a linear mode
 /// to that accuracy, and Newton's method does the rest.
@@ -49,7 +49,7 @@ struct Tangent {
 /// [`HbmError::LawAtNode`] for an amplitude of a law that the mode does not move, as [`modal_lift_off`] but for modes
 /// that move no contact, [`HbmError::NoSuchMode`], [`HbmError::RigidBodyMode`], [`HbmError::PressedAtRest`] or
 /// [`HbmError::Linalg`].
-pub fn modal_start(structure: &ModalStructure, mode: usize, start: ModeStart) -> Result<ModalGrazing, HbmError> {
+pub fn modal_start(structure: &ModalStructure, mode: usize, start: ModeStart) -> Result<Grazing, HbmError> {
     if structure.is_pressed() {
         let contact = structure.gaps().iter().position(|g| *g < 0.0).unwrap_or(0);
         return Err(HbmError::PressedAtRest { contact, gap: structure.gaps()[contact] });
@@ -85,7 +85,7 @@ pub fn modal_start(structure: &ModalStructure, mode: usize, start: ModeStart) ->
     let padded = |eta: &[f64]| eta.iter().copied().chain(std::iter::repeat(0.0)).take(structure.n_modes()).collect();
     let damping = |j: usize, k: usize| shape[j] * structure.damping().entry(j, k) * shape[k];
     let damping: f64 = (0..m).flat_map(|j| (0..m).map(move |k| (j, k))).map(|(j, k)| damping(j, k)).sum();
-    Ok(ModalGrazing {
+    Ok(Grazing {
         mode,
         omega,
         damping_ratio: damping / (2.0 * omega),
@@ -93,6 +93,7 @@ pub fn modal_start(structure: &ModalStructure, mode: usize, start: ModeStart) ->
         energy: 0.25 * omega_squared * amplitude * amplitude,
         contact,
         length,
+        lifts_off: false,
         opening: vec![0.0; structure.n_contacts()],
         mean: padded(&rest),
         shape: padded(&shape),
