@@ -31,7 +31,7 @@ class Motion {
   shape(phase) {
     const { re, im } = this.frame, { stops, x } = this.motion;
     const cos = [], sin = [];
-    const width = re.reduce((most, row) => Math.max(most, row.length), 0);
+    const width = [...re, ...(im || [])].reduce((most, row) => Math.max(most, row.length), 0);
     for (let n = 0; n < width; n++) { cos.push(Math.cos(2 * Math.PI * n * phase)); sin.push(Math.sin(2 * Math.PI * n * phase)); }
     const values = x.map((_, d) => {
       let sum = 0;
