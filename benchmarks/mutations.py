@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Puts deliberate errors into a copy of the repository and tells which cases of `docs/verification.md` turn red.
+"""Puts deliberate errors into a copy of the repository and tells which cases of `benchmarks/verification.md` turn red.
 
     nice -n 15 benchmarks/mutations.py                # builds once, some five minutes; then some seconds an error
     benchmarks/mutations.py 3 8                       # only these errors
@@ -10,7 +10,7 @@
 Every error is a replacement in one line of source, switched by the environment variable NLMODES_MUTANT: all go into one copy and are built once.
 The copy and what is built of it lie in `target/mutants`: in a build directory of their own, since cargo takes two copies of a package for the same one. The sources stay as
 they are. The rows go into the table between the marks at the end of
-`docs/verification.md`; those of other errors stay. A case that comes to no end, or brings the program down, catches the error: the cases behind it are run without it.
+`benchmarks/verification.md`; those of other errors stay. A case that comes to no end, or brings the program down, catches the error: the cases behind it are run without it.
 Exit status 1 if an error is caught by no case, or if the cases fail without one.
 """
 
@@ -22,7 +22,7 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PLACE = ROOT / "target/mutants"
-PAGE = ROOT / "docs/verification.md"
+PAGE = ROOT / "benchmarks/verification.md"
 MARKS = ("<!-- errors: written by benchmarks/mutations.py -->", "<!-- end of errors -->")
 
 # Cases that take longer, s, are run only where the others do not catch an error.

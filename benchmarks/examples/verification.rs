@@ -1,12 +1,12 @@
-//! Writes `docs/verification.md`: cases with known answers, computed anew. With a word, prints the cases whose name
-//! contains it; with `--quiet`, only says which pass, of all or of those that are named.
+//! Writes `benchmarks/verification.md`: cases with known answers, computed anew. With a word, prints the cases whose
+//! name contains it; with `--quiet`, only says which pass, of all or of those that are named.
 
 use std::process::ExitCode;
 use std::time::Duration;
 
 use nlmodes_benchmarks::verification::{Outcome, manual, run};
 
-const PAGE: &str = "docs/verification.md";
+const PAGE: &str = "benchmarks/verification.md";
 
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();

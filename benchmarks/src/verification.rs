@@ -1,5 +1,5 @@
-//! Cases with known answers, by topic: what `docs/verification.md` is written from, and what the test of this crate
-//! runs.
+//! Cases with known answers, by topic: what `benchmarks/verification.md` is written from, and what the test of
+//! this crate runs.
 //!
 //! A case states a problem, computes it with the public interface of the libraries, and holds the results against
 //! references that owe nothing to them: closed forms evaluated in the case itself, independent computations, numbers

@@ -1,4 +1,4 @@
-//! All cases with known answers pass, and `docs/verification.md` says what they give.
+//! All cases with known answers pass, and `benchmarks/verification.md` says what they give.
 
 use std::collections::HashSet;
 use std::path::Path;
@@ -13,10 +13,10 @@ fn all_cases_pass_and_the_manual_has_their_numbers() {
     let failures: Vec<&str> = outcomes.iter().filter_map(failed).collect();
     assert!(failures.is_empty(), "{failures:?}\n{}", manual(&results, ""));
 
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/verification.md");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("verification.md");
     let recorded = recorded_values(&std::fs::read_to_string(path).unwrap());
     let again = "write it anew: cargo run --release -p nlmodes-benchmarks --example verification";
-    assert_eq!(recorded.len(), outcomes.len(), "docs/verification.md has other cases: {again}");
+    assert_eq!(recorded.len(), outcomes.len(), "benchmarks/verification.md has other cases: {again}");
     for (outcome, (name, values)) in outcomes.iter().zip(&recorded) {
         let checks = outcome.checks.as_ref().unwrap();
         assert_eq!((outcome.case.name, checks.len()), (name.as_str(), values.len()), "{again}");

@@ -1,7 +1,7 @@
 //! What becomes of frequencies and backbone when the contact node loses its mass: three rules over mesh refinement.
 //!
-//! `cargo run --release --example mass_redistribution -- FOLDER` prints the tables of `docs/contact.md` and writes its
-//! figure.
+//! `cargo run --release --example mass_redistribution -- FOLDER` prints the tables of
+//! `benchmarks/results/stops.md` and writes its figure.
 
 use std::error::Error;
 use std::f64::consts::TAU;

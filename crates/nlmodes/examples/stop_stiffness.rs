@@ -1,8 +1,8 @@
 //! How an elastic stop runs into a rigid one as its stiffness grows, by MS-HBM and by conventional HBM on the same
 //! masses.
 //!
-//! `cargo run --release --example stop_stiffness -- FOLDER` prints the table of `docs/contact.md` and writes its
-//! figure.
+//! `cargo run --release --example stop_stiffness -- FOLDER` prints the table of
+//! `benchmarks/results/stops.md` and writes its figure.
 
 use std::error::Error;
 use std::f64::consts::TAU;
@@ -17,7 +17,7 @@ use nlmodes::model::{Drop, MasslessContactModel, Side};
 use nlmodes::report::ConvergenceFigure;
 
 /// Frequency, Hz, and averaged kinetic energy over that at grazing, of the motion with amplitude 2 before the rigid
-/// stop, in closed form (docs/convergence.md).
+/// stop, in closed form (benchmarks/results/convergence.md).
 const RIGID_HZ: f64 = 0.417_852_834_045_572_5;
 const ENERGY_RATIO: f64 = 2.0 * 2.076_372_313_358_422;
 

@@ -42,7 +42,7 @@ fn a_test_is_planned_from_its_scene() -> Outcome {
     assert_eq!(status, 0, "{said}");
     let levels = found["levels"].as_array().ok_or("no levels")?;
     let number = |level: &Value, key: &str| level[key].as_f64().unwrap_or(f64::NAN);
-    // As in the table of docs/experiment.md.
+    // As in the table of benchmarks/results/virtual_test.md.
     for (level, frequency, force) in [(&levels[0], 40.1008, 3.458), (&levels[1], 40.4824, 5.596)] {
         assert_eq!(level["held"], Value::Bool(true), "{said}");
         assert!((number(level, "frequency_hz") - frequency).abs() < 2e-3, "{level}");

@@ -109,7 +109,7 @@ fn levels_with_contact_are_held_within_the_noise() {
     let mut bench = Bench::new(&settings(&[1.0, 1.4]));
     let found = bench.records();
     assert!(found.iter().all(|record| record.settled && record.locked), "{found:?}");
-    // docs/experiment.md has the frequency at 1 V from a session: 40.278 Hz.
+    // benchmarks/results/virtual_test.md has the frequency at 1 V from a session: 40.278 Hz.
     assert!((found[0].omega / TAU - 40.278).abs() < 0.01, "{}", found[0].omega / TAU);
 }
 

@@ -1,4 +1,4 @@
-//! The program of `docs/howto.md` compiles, runs, and is the one that stands there.
+//! The program of `docs/python.md` compiles, runs, and is the one that stands there.
 
 use std::error::Error;
 use std::path::Path;
@@ -33,7 +33,7 @@ fn matrices_of_another_program() -> Result<(), Box<dyn Error>> {
 fn the_page_shows_this_program() {
     let path = |file: &str| Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
     let read = |file| std::fs::read_to_string(path(file)).unwrap_or_else(|error| panic!("{file}: {error}"));
-    let (page, source) = (read("../../docs/howto.md"), read("tests/suite/howto.rs"));
+    let (page, source) = (read("../../docs/python.md"), read("tests/suite/own_matrices.rs"));
     let block = page.split("```rust\n").nth(1).and_then(|rest| rest.split("```").next()).expect("a program in Rust");
     for line in block.lines().map(str::trim).filter(|line| !line.is_empty()) {
         assert!(source.lines().any(|own| own.trim() == line), "{line}");
