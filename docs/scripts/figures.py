@@ -1,4 +1,4 @@
-"""Makes the figures of README, tutorial and the other pages anew, in `docs/images`.
+"""Makes the figures of README and documentation anew, in `docs/images`.
 
     cargo build --release
     python3 docs/scripts/figures.py [NAME ...] [--cli target/release/nlmodes-cli] [--to docs/images]
@@ -20,6 +20,8 @@ SKIP = ["continuation.internal_resonance='skip'"]
 
 # Scene and what is set in it -> files of its results and the images that they are.
 RUNS = [
+    ("strip", [], {"responses": "first_beam_responses"}),
+    ("strip_one_level", [], {"gradients_3": "strip_gradients"}),
     ("rod", [], {"frequency_energy": "rod_frequency_energy", "motion_4": "rod_motion_4"}),
     ("rod", ["method.harmonics=[1,2,3]"], {"frequency_energy": "tutorial_rod"}),
     ("rod", ["method.harmonics=[1,2,3,5,10]", *SKIP], {"frequency_energy": "tutorial_rod_skip"}),
