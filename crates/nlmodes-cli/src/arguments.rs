@@ -30,14 +30,14 @@ pub struct CommandLine {
 const EXAMPLES: &str = "\
 First steps:
   nlmodes-cli new rod my_rod.toml             write a scene with comments
-  nlmodes-cli check my_rod.toml               is it sound, and what would be computed?
+  nlmodes-cli check my_rod.toml               is it valid, and what would be computed?
   nlmodes-cli run my_rod.toml                 compute it; open results/my_rod/report.html in a browser
   nlmodes-cli run my_rod.toml --set method.harmonics=5 --out results/my_rod_5
-  nlmodes-cli run my_rod.toml --resume        go on after Ctrl-C, a power cut or a full disk
+  nlmodes-cli run my_rod.toml --resume        continue after Ctrl-C, a power cut or a full disk
 
 Exit status:
   0  done
-  1  the computation ended early: what was found is written, and why it ended is said
+  1  the computation ended early: what was found is written, and the reason is given
   2  the scene or the call is wrong: nothing is written";
 
 const SET_HELP: &str = "\
@@ -50,10 +50,10 @@ pub enum Command {
     /// Compute the branch or run the virtual test of a scene, and write tables and figures
     #[command(after_help = "\
 Examples:
-  nlmodes-cli run configs/rod.toml                               results go to the directory that the scene names
+  nlmodes-cli run configs/rod.toml                               results go to the folder named in the scene
   nlmodes-cli run configs/beam.toml --set contact.0.gap_m=0.5e-3 --out results/half-gap
   nlmodes-cli run configs/rod.toml --set 'method.harmonics=[1,2,3]' --out results/harmonics
-  nlmodes-cli run configs/rod.toml --resume                      go on where a run was interrupted
+  nlmodes-cli run configs/rod.toml --resume                      continue an interrupted run
 
 Every point is on disk when it is found, in branch.csv or, of responses, in steps.jsonl. Ctrl-C ends the computation \
     where it is and writes summary and figures; a second one ends at once.
@@ -73,7 +73,7 @@ Examples:
   nlmodes-cli new rod                        writes rod.toml
   nlmodes-cli new virtual-test my_test.toml
 
-A file that is there already is left as it is.")]
+An existing file is left alone.")]
     New(new::Arguments),
     /// Print the linear modes, with and without mass at the contacts
     #[command(after_help = "Example:\n  nlmodes-cli modes configs/beam.toml --set structure.elements=40")]
@@ -115,7 +115,7 @@ Examples:
   nlmodes-cli at results/beam_two_stops --frequency-hz 50
   nlmodes-cli at results/rod --energy-j 1e9 --json
 
-A branch may pass a frequency several times, each time with another motion: all are told.
+A branch may pass a frequency several times, each time with another motion: all of them are printed.
 
 Exit status 1 where none passes it, which `answer` says of each in JSON; 2 where there are no results or a table is \
     damaged.")]
@@ -164,7 +164,7 @@ Examples:
   nlmodes-cli explore configs/beam_two_stops.toml
   nlmodes-cli explore configs/rod.toml --set method.harmonics=1
 
-The page is for this machine only, and for whoever has its address. Nothing is written but what is saved, beside the \
+The page can be opened on this machine only, by whoever has its address. Only what you save is written, beside the \
     scene. Ctrl-C ends.")]
     #[cfg(feature = "explore")]
     Explore(explore::Arguments),
@@ -199,7 +199,7 @@ Examples:
   nlmodes-cli completions zsh > ~/.zfunc/_nlmodes-cli            with ~/.zfunc in $fpath
   nlmodes-cli completions fish > ~/.config/fish/completions/nlmodes-cli.fish
 
-They work in the next shell that is opened.")]
+They take effect in the next shell.")]
     Completions {
         /// The shell
         shell: Shell,

@@ -12,7 +12,7 @@ pub struct RunOptions {
     /// Overwrite the results of another scene
     #[arg(long)]
     pub force: bool,
-    /// Run all checks of how far the numbers can be trusted: more harmonics, more modes, exact motions at a few points
+    /// Run all checks of the numbers: more harmonics, more modes, exact motions at a few points
     #[arg(long)]
     pub certify: bool,
     /// No progress; warnings and errors only

@@ -19,10 +19,10 @@ pub struct Arguments {
     /// Number of the point, as in branch.csv
     #[arg(long, value_name = "N")]
     point: usize,
-    /// Size of the disturbance over that of the motion
+    /// Size of the disturbance, relative to the motion
     #[arg(long, value_name = "SHARE", default_value_t = SettleSettings::default().disturbance)]
     disturbance: f64,
-    /// Most periods of the load that are followed
+    /// Maximum number of periods of the load to integrate
     #[arg(long, value_name = "N", default_value_t = SettleSettings::default().periods)]
     periods: usize,
     /// As JSON

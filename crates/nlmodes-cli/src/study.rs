@@ -22,8 +22,8 @@ Examples:
   nlmodes-cli study run configs/gap_study.toml
   nlmodes-cli study run configs/gap_study.toml --shard 0/8     every eighth case: on eight machines 0/8 to 7/8
 
-What is there is not computed again, and what was interrupted goes on: after Ctrl-C, a killed process or a full disk \
-    the same call goes on.
+Existing cases are not computed again, and interrupted ones are continued: after Ctrl-C, a killed process or a full \
+    disk, the same call continues.
 A case that fails is a row of the table with its reason.")]
     Run(run::Arguments),
     /// Print how many cases are complete, failed and missing

@@ -49,40 +49,40 @@ pub struct RawAnalysis {
     pub title: Option<String>,
     /// How the structure is reduced
     pub reduction: Option<Reduction>,
-    /// Parameters of a rod or beam that are fitted to given linear frequencies first
+    /// Parameters of a rod or beam that are first fitted to given linear frequencies
     pub updating: Option<Updating>,
-    /// Damping of the structure with its contacts open; responses need it
+    /// Damping of the structure with open contacts; required for responses
     pub damping: Option<RawDamping>,
     /// Periodic forces, each under its own heading `[[force]]`
     pub force: Option<Vec<RawForce>>,
-    /// A base that shakes, in place of forces
+    /// Motion of the base, instead of forces
     pub base_motion: Option<RawBaseMotion>,
-    /// Weight
+    /// Gravity
     pub gravity: Option<RawGravity>,
     /// Constant forces, each under its own heading `[[static_force]]`
     pub static_force: Option<Vec<RawStaticForce>>,
-    /// Heat
+    /// A uniform rise in temperature, or thermal forces
     pub thermal: Option<RawThermal>,
-    /// Displacements under static loads that are known from elsewhere
+    /// Displacements under static loads, as computed by another program
     pub static_displacement: Option<RawStaticDisplacement>,
     /// Springs and dampers with a law of force beside the stops, each under its own heading `[[spring]]`
     pub spring: Option<Vec<RawLawSpring>>,
-    /// Damped and forced motions, in place of the conservative nonlinear mode; several stand under headings
+    /// Damped and forced motions, instead of the conservative nonlinear mode; several are given under headings
     /// `[[response]]`
     pub response: Option<Vec<RawResponse>>,
-    /// A motion in time under any loads, in place of a branch or responses
+    /// A motion in time under any loads, instead of a branch or responses
     pub transient: Option<RawTransient>,
-    /// Parameters by which the points of every curve are differentiated, each under its own heading `[[sensitivity]]`
+    /// Parameters for which every point gets its derivatives, each under its own heading `[[sensitivity]]`
     #[schemars(length(max = 1000))]
     pub sensitivity: Option<Vec<RawSensitivity>>,
-    /// How the periodic motion is computed; several methods stand under headings `[[method]]`
+    /// How the periodic motion is computed; several methods are given under headings `[[method]]`
     pub method: RawMethod,
-    /// How far the branch is followed
+    /// Where the branch starts, where it ends, and what it does on the way
     pub continuation: Continuation,
-    /// Results of other runs or of tests that figures and page show beside those of the scene, each under a heading
-    /// `[[overlay]]`
+    /// Results of other runs or tests to be shown in figures and on the page beside those of the scene, each under a
+    /// heading `[[overlay]]`
     pub overlay: Option<Vec<Overlay>>,
-    /// Where results go
+    /// Where results are written, and which
     pub output: Option<Output>,
     /// Whether a stop has a law of force, which the tables of contacts say.
     #[serde(skip)]
@@ -160,38 +160,38 @@ pub struct RawContact {
     pub at_m: f64,
     /// Direction of the motion that the stop limits
     pub direction: Direction,
-    /// Side on which the stop stands
+    /// Side on which the stop is
     pub side: Side,
-    /// Clearance at rest; 0 touches, a negative one presses
+    /// Clearance at rest; at 0 the stop just touches, and a negative gap preloads it
     #[schemars(extend("unit" = "m"))]
     pub gap_m: f64,
-    /// Contact stiffness of the stop; left out, it is rigid, and with method "hbm" it has
+    /// Contact stiffness of the stop; without it the stop is rigid, or with method "hbm" has
     /// `method.contact_stiffness_n_m`
     #[schemars(extend("unit" = "N/m", "exclusiveMinimum" = 0.0))]
     pub stiffness_n_m: Option<f64>,
-    /// Damper beside that stiffness, for responses and damped modes; it only ever pushes, and the stop is left where
-    /// the force of both vanishes
+    /// Damper in parallel with that stiffness, for responses and damped modes; the stop only pushes, and contact ends
+    /// when the sum of both forces vanishes
     #[schemars(extend("unit" = "N s/m", "exclusiveMinimum" = 0.0))]
     pub damping_n_s_m: Option<f64>,
     /// Stiffness of a stop whose force is this times a power of the approach, as that of a ball on a plate after Hertz,
     /// in N over that power of a metre; it stands behind the stops that have none
     #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub stiffness_hertz_n_m15: Option<f64>,
-    /// The power of the approach; default 1.5
+    /// Exponent of the approach; default 1.5
     #[schemars(range(min = 1.0, max = 20.0))]
     pub exponent: Option<f64>,
-    /// Dissipation by Hunt and Crossley: the force times one plus this times the speed of the approach, and never a
-    /// pull; for responses and damped modes
+    /// Dissipation after Hunt and Crossley, for responses and damped modes: the force is multiplied by one plus this
+    /// times the approach velocity, and never pulls
     #[schemars(extend("unit" = "s/m", "minimum" = 0.0))]
     pub dissipation_s_m: Option<f64>,
-    /// Coefficient of friction of which the power is estimated for `contacts.csv`, from the motion without friction;
-    /// the motion does not feel it
+    /// Coefficient of friction for the estimate of friction power in `contacts.csv`; the motion itself is computed
+    /// without friction
     #[schemars(range(min = 0.0))]
     pub friction_estimate: Option<f64>,
-    /// Number of the structure of several to which `at_m` belongs, from 1 in the order of the file
+    /// Number of the structure to which `at_m` belongs, if there are several; from 1 in the order of the file
     #[schemars(range(min = 1, max = MAX_BODIES))]
     pub structure: Option<u32>,
-    /// What is touched in place of a rigid stop: a node of another structure
+    /// What is touched instead of a rigid stop: a node of another structure
     pub against: Option<RawAgainst>,
 }
 

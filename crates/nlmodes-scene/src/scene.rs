@@ -88,7 +88,7 @@ pub struct Scene {
     pub sensitivities: Vec<Sensitivity>,
     /// How the periodic motion is computed.
     pub method: Method,
-    /// How far the branch is followed.
+    /// Where the branch starts, where it ends, and what it does on the way.
     pub continuation: Continuation,
     /// Directory of the result files.
     pub output_directory: PathBuf,
@@ -199,7 +199,7 @@ const MAX_MODES: u32 = 1000;
 /// stay.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ImposedModes {
-    /// The frequencies, ascending from the lowest mode, with contacts open and the contact mass as `method` has it
+    /// Frequencies from the lowest mode upwards, with open contacts and the contact mass as in `method`
     #[schemars(inner(range(min = 1e-9)), length(min = 1, max = MAX_MODES), extend("unit" = "Hz"))]
     pub frequencies_hz: Vec<f64>,
     /// Damping ratios of these modes, for a virtual test; nonlinear modes are conservative
@@ -311,7 +311,7 @@ pub struct Contact {
     pub at: f64,
     /// Direction of the motion that the stop limits.
     pub direction: Direction,
-    /// Side on which the stop stands.
+    /// Side on which the stop is.
     pub side: Side,
     /// Clearance at rest, m; 0 touches, a negative one presses.
     pub gap: f64,
@@ -377,7 +377,7 @@ pub struct Method {
     /// All numbers of harmonics for which a branch is computed, ascending.
     #[serde(default, skip_serializing_if = "is_single")]
     pub harmonics_list: Vec<usize>,
-    /// How the instants of touching and leaving are found.
+    /// How the instants of closing and opening are found.
     pub switching: Switching,
     /// Samples of the contact a period.
     pub samples: usize,
@@ -387,7 +387,7 @@ pub struct Method {
     pub contact_solver: ContactSolver,
     /// Stiffness of the stops that have none of their own, N/m; not for [`MethodKind::MsHbm`].
     pub contact_stiffness: Option<f64>,
-    /// Time symmetry that the motion is assumed to have.
+    /// Symmetry in time that the motion is assumed to have.
     pub symmetry: Symmetry,
     /// Number of held modes that carry the dynamics; `None`: chosen by the program.
     pub held_modes: Option<usize>,

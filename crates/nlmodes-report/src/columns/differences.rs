@@ -5,8 +5,8 @@ use super::row::row;
 row! {
     /// A point of `response_overlay.csv`.
     ResponseDifferenceRow {
-        overlay: String, "", "name of what is laid over";
-        point: usize, "", "its point, from 0";
+        overlay: String, "", "name of the overlay";
+        point: usize, "", "point of the overlay, from 0";
         frequency_hz: f64, "Hz", "frequency of the load, of both";
         level: f64, "unit of the load", "level of the point; NaN where the table has none";
         fundamental_m: f64, "m", "fundamental of the first contact; NaN where it is not known";
@@ -21,8 +21,8 @@ row! {
 row! {
     /// A point of `overlay.csv` or `methods.csv`.
     DifferenceRow {
-        overlay: String, "", "name of what is laid over";
-        point: usize, "", "its point, from 0";
+        overlay: String, "", "name of the overlay";
+        point: usize, "", "point of the overlay, from 0";
         modal_amplitude: f64, "m √kg", "modal amplitude of both; NaN where energies are equal";
         energy_j: f64, "J", "averaged kinetic energy of both; NaN where amplitudes are equal";
         frequency_hz: f64, "Hz", "frequency of the point";
@@ -44,8 +44,8 @@ row! {
 row! {
     /// A stop at a point, of `overlay_stops.csv` or `methods_stops.csv`.
     StopDifferenceRow {
-        overlay: String, "", "name of what is laid over";
-        point: usize, "", "its point, from 0";
+        overlay: String, "", "name of the overlay";
+        point: usize, "", "point of the overlay, from 0";
         contact: usize, "", "number of the stop, from 0 in the order of the scene";
         equal: String, "",
             "what both motions have in common: `modal amplitude`, `energy` where there are no amplitudes, or \

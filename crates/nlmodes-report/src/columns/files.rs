@@ -8,30 +8,34 @@ use crate::table::{HARMONIC_ARRAYS, HISTORY_ARRAYS, MATLAB_VARIABLES, START_ARRA
 pub const FILES: [FileMeaning; 28] = [
     FileMeaning {
         name: "branch.csv",
-        meaning: "The branch, a row a point, written as points are found; other branches of a run stand in folders of \
-            their own",
+        meaning: "The branch, one row per point, written as points are found; other branches of a run have \
+            folders of their own",
         columns: &[BranchRow::COLUMNS],
     },
     FileMeaning {
         name: "branch.csv of responses",
-        meaning: "Of a scene with responses, the points of all its curves: the columns above, with the frequency of \
+        meaning: "For a scene with responses, the points of all its curves: the columns above, with the frequency of \
             the load in `frequency_hz` and the amplitude of stop 0 at that frequency in `fundamental_m`, and these",
         columns: &[ResponseRow::COLUMNS],
     },
     FileMeaning {
         name: "branch.csv with gradients",
-        meaning: "Of a scene with `[[sensitivity]]`, behind the columns above and for each parameter those of these \
+        meaning: "For a scene with `[[sensitivity]]`, behind the columns above and for each parameter those of these \
             that its points have; of modes written at the end of the run",
         columns: &[&GRADIENT_COLUMNS],
     },
     FileMeaning {
         name: "appropriation.csv",
-        meaning: "Of responses of kind \"appropriation\", the forces that bring the damped structure into its mode, a \
-            row a point, drive point and harmonic; of a test with several controlled harmonics the measured ones, a \
-            row a level and harmonic",
+        meaning: "For responses of kind \"appropriation\", the forces that bring the damped structure into its mode, \
+            one row per point, drive point and harmonic; for a test with several controlled harmonics the measured \
+            ones, one row per level and harmonic",
         columns: &[AppropriationRow::COLUMNS],
     },
-    FileMeaning { name: "contacts.csv", meaning: "The stops, a row a point and stop", columns: &[ContactRow::COLUMNS] },
+    FileMeaning {
+        name: "contacts.csv",
+        meaning: "The stops, one row per point and stop",
+        columns: &[ContactRow::COLUMNS],
+    },
     FileMeaning {
         name: "harmonics.npz",
         meaning: "The motions as complex Fourier coefficients, for NumPy (P points, D recorded degrees of freedom, H \
@@ -52,28 +56,28 @@ pub const FILES: [FileMeaning; 28] = [
     },
     FileMeaning {
         name: "participation.csv",
-        meaning: "Participation of the lowest linear modes, a row a point",
+        meaning: "Participation of the lowest linear modes, one row per point",
         columns: &[ParticipationRow::COLUMNS],
     },
     FileMeaning {
         name: "modal_points.csv",
-        meaning: "Of records and virtual tests, a row a record or level; cells that a record does not give are empty",
+        meaning: "For records and virtual tests, one row per record or level; what a record does not give is empty",
         columns: &[ModalPointRow::COLUMNS],
     },
     FileMeaning {
         name: "decay.csv",
-        meaning: "Of records with `[free_decay]`, the points of the decays, a row a block of three periods",
+        meaning: "For records with `[free_decay]`, the points of the decays, one row per block of three periods",
         columns: &[DecayRow::COLUMNS],
     },
     FileMeaning {
         name: "design.json",
-        meaning: "Of `experiment design`: places for the exciter, settings of the loop, of each level whether it is \
+        meaning: "From `experiment design`: places for the exciter, settings of the loop, of each level whether it is \
             held and the largest reading of each channel, ranges for the sensors",
         columns: &[],
     },
     FileMeaning {
         name: "backbone.csv",
-        meaning: "Of virtual tests, the computed curve that is laid under the points, with the columns of \
+        meaning: "For virtual tests, the computed curve that is laid under the points, with the columns of \
             `branch.csv`; `backbone_ms-hbm.csv`, `backbone_damped-mode.csv` and `backbone_phase-resonance.csv` beside \
             it where these are asked for",
         columns: &[],
@@ -110,20 +114,20 @@ pub const FILES: [FileMeaning; 28] = [
     },
     FileMeaning {
         name: "transient.npz",
-        meaning: "Of a scene with `[transient]`, the histories at equal distances in time (P places, the contacts \
+        meaning: "For a scene with `[transient]`, the histories at equal distances in time (P places, the contacts \
             behind them; C contacts, T instants, W windows, F frequencies)",
         columns: &[&TRANSIENT_ARRAYS],
     },
     FileMeaning {
         name: "touches.csv",
-        meaning: "Of a scene with `[transient]`, a row a touch, in the order in which they end",
+        meaning: "For a scene with `[transient]`, one row per touch, in the order in which they end",
         columns: &[TouchRow::COLUMNS],
     },
     FileMeaning {
         name: "settled.json",
-        meaning: "Of `nlmodes-cli settle`: `kind`, what the motion of a response's point becomes, disturbed along the \
-            vector of its largest multiplier (`periodic` with `periods` of the load in one of the motion, `two-lines` \
-            with both `frequencies_hz`, `irregular` with the largest values and their spread, `other` with where it \
+        meaning: "From `nlmodes-cli settle`: `kind`, what the motion of a point of a response becomes, disturbed along \
+            the vector of its largest multiplier (`periodic` with `periods` of the load in one of the motion, \
+            `two-lines` with both `frequencies_hz`, `irregular` with the largest values and their spread, `other` with where it \
             went), the disturbance, the time that was integrated, and the multipliers",
         columns: &[],
     },
@@ -141,7 +145,7 @@ pub const FILES: [FileMeaning; 28] = [
     },
     FileMeaning {
         name: "report.html",
-        meaning: "All of it on one page that needs no network; left out with `output.page = false`",
+        meaning: "Everything on one page that needs no network; left out with `output.page = false`",
         columns: &[],
     },
     FileMeaning {
@@ -161,8 +165,8 @@ pub const FILES: [FileMeaning; 28] = [
             principal_stress in Pa",
         columns: &[],
     },
-    FileMeaning { name: "run.json", meaning: "Whose results these are", columns: &[] },
-    FileMeaning { name: "steps.jsonl", meaning: "The steps, from which `run --resume` goes on", columns: &[] },
+    FileMeaning { name: "run.json", meaning: "The scene to which the results belong", columns: &[] },
+    FileMeaning { name: "steps.jsonl", meaning: "The steps, from which `run --resume` continues", columns: &[] },
     FileMeaning {
         name: "branch_…/",
         meaning: "Further branches of a run that follows all half-branches of its branch points, with the same tables",

@@ -20,23 +20,23 @@ row! {
             "nonlinear modal amplitude: norm of the fundamental, weighted by the mass matrix";
         fundamental_m: f64, "m", "real amplitude of the fundamental at stop 0, signed against its phase anchor";
         peak_m: f64, "m",
-            "largest displacement at stop 0 toward it, from the drawing; of a stop that stands still while the base \
-             shakes, in space";
+            "largest displacement at stop 0 toward the stop, from the drawing; in space, if the stop is fixed while \
+             the base moves";
         contact_fraction: f64, "", "share of the period in which stop 0 is touched, 0 to 1";
-        contact_intervals: usize, "", "closed intervals a period, all stops together";
+        contact_intervals: usize, "", "closed intervals per period, all stops together";
         peak_contact_force_n: f64, "N",
-            "largest contact force of all stops; of short blows it need not converge with harmonics, `impulse_ns` \
-             does";
+            "largest contact force of all stops; for short impacts it need not converge with the number of harmonics, \
+             `impulse_ns` does";
         residual: f64, "", "norm of the scaled residual";
         event: Vec<Event>, "",
-            "what happened here, names separated by spaces: grazing, lift-off, start, fold, frequency-fold, \
+            "events at this point, separated by spaces: grazing, lift-off, start, fold, frequency-fold, \
              branch-point, kink, contact-change, stability-change, period-doubling, neimark-sacker, tongue-foot, \
              resumed, other-mode, harmonics, harmonics-unproven, harmonics-no-help, accuracy-limit";
         resonance: Option<InternalResonance>, "",
             "internal resonance in which the motion takes part, `n:mode k`: harmonic n drives linear mode k";
-        stable: Option<bool>, "", "whether small disturbances stay small; empty where it was not found out";
+        stable: Option<bool>, "", "whether small disturbances stay small; empty where unknown";
         largest_multiplier: Option<f64>, "",
-            "magnitude of the largest Floquet multiplier; empty where it was not found out, or its error is as large";
+            "magnitude of the largest Floquet multiplier; empty where unknown, or where its error is as large";
         multiplier_angle_deg: Option<f64>, "°", "its angle, 0 to 180; empty where the motion is stable";
         harmonics: usize, "", "number of harmonics of this point";
         error_estimate: Option<f64>, "",
@@ -112,10 +112,10 @@ row! {
     /// What a point of a scene with responses has behind the columns of every branch.
     ResponseRow {
         response: usize, "", "number of the response in the scene, from 1";
-        kind: String, "", "what it follows: frequency, force, phase-resonance, damped-mode, mode, appropriation";
+        kind: String, "", "what the curve is: frequency, force, phase-resonance, damped-mode, mode, appropriation";
         curve: usize, "", "number of the curve of this run, from 0";
         name: String, "", "name of the curve in figures";
-        detached: bool, "", "whether no curve from the ends of the window reaches it";
+        detached: bool, "", "whether the curve is detached: not reached by those from the ends of the window";
         level: Option<f64>, "", "level of the load: amplitude of the first force in N, or of the base in m/s² or m";
         force_n: Option<f64>, "N",
             "amplitude of the first force; of a damped mode the force in one harmonic at the drive point that would \
@@ -126,12 +126,12 @@ row! {
         drive_lag_deg: Option<f64>, "°",
             "angle by which the drive point lags the force, or the displacement of the base, −180 to 180";
         input_power_w: Option<f64>, "W", "mean power of the load";
-        dissipated_power_w: Option<f64>, "W", "mean power that the damping takes out; equals the former";
+        dissipated_power_w: Option<f64>, "W", "mean power that damping dissipates; equals `input_power_w`";
         damping_ratio: Option<f64>, "", "damping ratio ξ/(2ω) of a damped mode";
         pbmif: Option<f64>, "",
             "active over apparent power of the forces; of a mode that of a force in one harmonic at the drive point";
         multiplier_error: Option<f64>, "",
-            "estimated error of the largest multiplier; within it the stability is not said";
+            "estimated error of the largest multiplier; within it, stability is left open";
         mode_distance: Option<f64>, "",
             "of appropriation: distance of the velocities from those of the mode, over the latter";
     }
@@ -217,10 +217,11 @@ row! {
         contact: usize, "", "number of the stop, from 0 in the order of the scene";
         contact_fraction: f64, "", "share of the period in which the contact is closed, 0 to 1";
         peak_force_n: f64, "N",
-            "largest force, positive away from the stop; of short blows it need not converge with harmonics";
+            "largest force, positive away from the stop; for short impacts it need not converge with the number of \
+             harmonics";
         mean_force_n: f64, "N", "force averaged over the period";
         impulse_ns: f64, "N·s", "integral of the force over the period, which converges with harmonics";
-        touches: usize, "", "closed intervals a period";
+        touches: usize, "", "closed intervals per period";
         approach_velocity_m_s: f64, "m/s",
             "largest speed at which the gap closes as it is touched; 0 without a touch";
         frequency_hz: f64, "Hz",
@@ -230,10 +231,10 @@ row! {
              rate of wear; of the motion without friction; empty where the node does not move within the plane of the \
              contact";
         sliding_path_m: Option<f64>, "m",
-            "path that the closed contact slides a period, of the motion without friction";
+            "path that the closed contact slides per period, of the motion without friction";
         friction_power_w: Option<f64>, "W",
             "`wear_work_rate_w` times `friction_estimate` of the contact: an estimate, since the motion is computed \
-             without friction; 1 to 9 % too high in steady sliding, 31 to 290 % where blows and sliding alternate";
+             without friction; 1 to 9 % too high in steady sliding, 31 to 290 % where impacts and sliding alternate";
     }
 }
 

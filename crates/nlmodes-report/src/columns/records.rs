@@ -12,7 +12,7 @@ row! {
         drive_v: Sometimes<Option<f64>>, "V", "of a test: amplitude of the signal to the exciter";
         drive_n: Sometimes<Option<f64>>, "N", "of a test with an ideal force: its amplitude";
         frequency_hz: Option<f64>, "Hz", "frequency of the vibration";
-        modal_amplitude: Option<f64>, "m √kg", "nonlinear modal amplitude, of shapes with unit modal mass";
+        modal_amplitude: Option<f64>, "m √kg", "nonlinear modal amplitude, for shapes with unit modal mass";
         damping: Option<f64>, "",
             "`P₁/(q̃² ω³)`: power of the first harmonic of the force over modal amplitude and angular frequency, a \
              damping ratio";
@@ -22,7 +22,7 @@ row! {
         pbmif: Option<f64>, "",
             "power-based mode indicator: active over apparent power of the force, one at phase resonance of all \
              harmonics";
-        pbmif_harmonics: Option<usize>, "", "harmonics that it takes";
+        pbmif_harmonics: Option<usize>, "", "number of harmonics in it";
         participation "participation_…": Numbered<Option<f64>>, "",
             "participation of the linear mode: its coordinate over the modal amplitude, summed over the harmonics \
              at the peak of the first one";
@@ -72,7 +72,7 @@ row! {
         energy_j_uncertainty: Option<f64>, "J", "the same";
         participation_uncertainty "participation_…_uncertainty": Numbered<Option<f64>>, "", "the same";
         findings: String, "",
-            "names of what was found wrong with the record, one space between; `summary.json` says each in words";
+            "names of what is wrong with the record, separated by spaces; `summary.json` has each in words";
     }
 }
 

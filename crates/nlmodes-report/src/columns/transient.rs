@@ -10,6 +10,6 @@ row! {
         duration_s: f64, "s", "how long it stays closed, at most to the end of the motion";
         impulse_ns: f64, "N·s", "integral of its force over this time";
         approach_velocity_m_s: f64, "m/s",
-            "rate at which the gap vanishes when it closes; 0 of a contact that is closed at the beginning";
+            "rate at which the gap closes; 0 for a contact that is closed at the beginning";
     }
 }

@@ -21,31 +21,31 @@ pub struct RawMatrixScene {
 /// The files of a structure.
 #[derive(Debug, Deserialize, JsonSchema)]
 pub struct RawMatrices {
-    /// What the structure is made of
+    /// Material of the structure
     #[serde(rename = "kind")]
     pub _kind: MatricesKind,
     /// Stiffness matrix: .sti (CalculiX), .mtx (Matrix Market, Abaqus, "sub.mtx#STIFFNESS"), .npz (SciPy), .mat
     /// ("model.mat#K", "model.mat#FEM.K"), .hb, .pch ("model.pch#KAAX"), also .gz; relative to the scene
     #[schemars(length(min = 1))]
     pub stiffness: String,
-    /// Mass matrix, in the same way
+    /// Mass matrix, likewise
     #[schemars(length(min = 1))]
     pub mass: String,
-    /// Which node and direction each row is: .dof (CalculiX), .mapping (Ansys) or a table row,node,component[,x,y,z];
-    /// not needed where the matrices say it
+    /// Node and direction of each row: .dof (CalculiX), .mapping (Ansys) or a table row,node,component[,x,y,z]; not
+    /// needed if the matrices have them
     #[schemars(length(min = 1))]
     pub dofs: Option<String>,
-    /// Mesh with the places of nodes, node sets and elements: .inp, .msh, or .bdf, .dat, .nas and .pch of Nastran
+    /// Mesh with positions of nodes, node sets and elements: .inp, .msh, or .bdf, .dat, .nas, .pch (Nastran)
     #[schemars(length(min = 1))]
     pub mesh: Option<String>,
     /// Format of the matrices: calculix, matrix-market, abaqus, npz, mat, harwell-boeing or dmig; default: from the
     /// names of the files
     #[schemars(length(min = 1))]
     pub format: Option<String>,
-    /// Units of the files, SI or as mm-t-s; what comes out is in SI units
+    /// Units of the files, "SI" or such as "mm-t-s"; results are in SI units
     #[schemars(length(min = 1), extend("default" = "m-kg-s"))]
     pub units: Option<String>,
-    /// Nodes and node sets that the files leave free and that are held
+    /// Nodes and node sets to be held that the files leave free
     #[serde(default)]
     #[schemars(schema_with = "numbers_or_names")]
     pub fixed: Option<Vec<NumberOrName>>,
@@ -81,7 +81,7 @@ pub enum RawNormal {
 pub struct RawNodeContact {
     /// The node that touches
     pub node: Option<u64>,
-    /// The nodes that touch, each a contact of its own: a node set of the mesh, or a list of nodes
+    /// The nodes that touch, a node set of the mesh or a list of nodes; each is a contact of its own
     #[schemars(schema_with = "name_or_numbers")]
     pub nodes: Option<NameOrNumbers>,
     /// The nodes that they touch, each the nearest one along the normal; left out, they touch a rigid wall
@@ -90,8 +90,8 @@ pub struct RawNodeContact {
     /// Table of pairs of nodes that touch, node_a,node_b[,nx,ny,nz,gap_m], relative to the scene
     #[schemars(length(min = 1))]
     pub pairs: Option<String>,
-    /// How far beside the normal of its partner a node of `against` may be; default: a thousandth of the extent of
-    /// those
+    /// How far sideways from the normal of its partner a node of `against` may be; default: a thousandth of the extent
+    /// of the contact
     #[schemars(extend("unit" = "m", "minimum" = 0.0))]
     pub pair_tolerance_m: Option<f64>,
     /// Direction from the nodes to what they touch, of any length, or "surface" for the outward normal of the mesh at
@@ -102,7 +102,7 @@ pub struct RawNodeContact {
     /// along the normal in the mesh
     #[schemars(extend("unit" = "m"))]
     pub gap_m: Option<f64>,
-    /// A point of the wall, which stands across the normal: each node has its own clearance
+    /// A point of the wall, which is a plane normal to `normal`: each node has its own clearance
     #[schemars(extend("unit" = "m"))]
     pub wall_point_m: Option<[f64; 3]>,
     /// Contact stiffness of each; left out, they are rigid
@@ -111,8 +111,8 @@ pub struct RawNodeContact {
     /// Damper of each beside its stiffness, for responses and damped modes; conservative modes leave it out
     #[schemars(extend("unit" = "N s/m", "exclusiveMinimum" = 0.0))]
     pub damping_n_s_m: Option<f64>,
-    /// Coefficient of friction of which the power is estimated for `contacts.csv`, from the motion without friction;
-    /// the motion does not feel it
+    /// Coefficient of friction for the estimate of friction power in `contacts.csv`; the motion itself is computed
+    /// without friction
     #[schemars(range(min = 0.0))]
     pub friction_estimate: Option<f64>,
 }

@@ -18,23 +18,23 @@ pub struct RawMethod {
     /// Number of the linear mode from which the branch starts, 1 for the lowest
     #[schemars(range(min = 1), extend("default" = 1))]
     pub mode: Option<u32>,
-    /// Number of harmonics of the motion, beside its mean; a list computes one branch for each. With shooting, number
-    /// of harmonics of the exact motion that are written
+    /// Number of harmonics of the motion, not counting its mean; a list computes one branch for each. With shooting,
+    /// the number of harmonics that are written
     #[schemars(schema_with = "one_or_several_harmonics")]
     pub harmonics: Option<Vec<u32>>,
-    /// Largest relative error of the frequency, at the same energy, that may come from harmonics and held modes left
-    /// out: chooses their numbers, that of the harmonics anew along the branch, `harmonics` or 2 of them at least;
-    /// default: none, `harmonics` holds
+    /// Largest relative error of the frequency, at the same energy, that may come from harmonics and fixed-interface
+    /// modes left out. Their numbers are then chosen, that of the harmonics along the branch and at least `harmonics`
+    /// or 2
     #[schemars(range(min = 1e-10, max = 0.01))]
     pub accuracy: Option<f64>,
-    /// Most harmonics that `accuracy` may choose
+    /// Maximum number of harmonics that `accuracy` may choose
     #[schemars(range(min = 1, max = MAX_HARMONICS), extend("default" = DEFAULT_MAX_HARMONICS))]
     pub max_harmonics: Option<u32>,
-    /// How the instants of touching and leaving are found
+    /// How the instants of closing and opening are found
     #[schemars(extend("default" = "exact"))]
     pub switching: Option<Switching>,
-    /// Samples of the contact a period, at least 4 times `harmonics`; default: a power of two, 256 or more and at least
-    /// 32 times `harmonics`. Exact switching has no use for it
+    /// Samples of the contact per period, at least 4 times `harmonics`; default: a power of two, 256 or more and at
+    /// least 32 times `harmonics`. Results of exact switching do not depend on it
     #[schemars(range(min = 4, max = MAX_SAMPLES))]
     pub samples: Option<u32>,
     /// What happens to the mass of the contact degrees of freedom of a rod or beam: "drop", "move" and "conserve" are
@@ -46,11 +46,10 @@ pub struct RawMethod {
     /// Contact stiffness of the stops that have no `stiffness_n_m` of their own, for hbm and shooting
     #[schemars(extend("unit" = "N/m", "exclusiveMinimum" = 0.0))]
     pub contact_stiffness_n_m: Option<f64>,
-    /// Time symmetry that the motion is assumed to have
+    /// Symmetry in time that the motion is assumed to have
     #[schemars(extend("default" = "even"))]
     pub symmetry: Option<Symmetry>,
-    /// Number of modes, with the contact degrees of freedom held, that carry the dynamics; default: chosen by the
-    /// program, for shooting all
+    /// Number of fixed-interface modes that carry the dynamics; default: chosen by the program, for shooting all
     #[schemars(range(min = 1))]
     pub held_modes: Option<u32>,
 }

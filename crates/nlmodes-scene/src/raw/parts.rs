@@ -11,7 +11,7 @@ pub struct RawSpring {
     /// Position along the axis, measured from the start; the mesh gets a node there
     #[schemars(extend("unit" = "m", "minimum" = 0.0))]
     pub at_m: f64,
-    /// Direction of the motion that it holds back; a rotational spring is "rotation"
+    /// Direction in which it acts; "rotation" is a rotational spring
     pub direction: SpringDirection,
     /// Stiffness of a spring along or across the axis
     #[schemars(extend("unit" = "N/m", "exclusiveMinimum" = 0.0))]
@@ -19,7 +19,7 @@ pub struct RawSpring {
     /// Stiffness of a rotational spring
     #[schemars(extend("unit" = "N·m", "exclusiveMinimum" = 0.0))]
     pub stiffness_nm: Option<f64>,
-    /// Number of the structure of several to which it belongs; default: that under whose heading it stands
+    /// Number of the structure to which it belongs; default: the one under whose heading it is
     #[schemars(range(min = 1))]
     pub structure: Option<u32>,
 }
@@ -34,7 +34,7 @@ pub struct RawSegment {
     pub material: Option<RawMaterial>,
     /// Its cross section; default: that of the structure
     pub section: Option<RawSection>,
-    /// Mass per length beside that of its section; default: that of the structure
+    /// Mass per length in addition to that of its section; default: that of the structure
     #[schemars(extend("unit" = "kg/m", "minimum" = 0.0))]
     pub added_mass_kg_m: Option<f64>,
 }

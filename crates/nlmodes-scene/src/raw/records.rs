@@ -20,23 +20,23 @@ pub struct RawRecordScene {
     /// Channels of the records, each under its own heading `[[channel]]`
     #[schemars(length(min = 1))]
     pub channel: Vec<RawChannel>,
-    /// Parts of the recording in which a level is held, a row of the table each, under headings `[[segment]]`; without
-    /// them a record is one level
+    /// Parts of the recording in which a level is held, each a row of the table and under a heading `[[segment]]`;
+    /// without them, a record is one level
     pub segment: Option<Vec<RawRecordSegment>>,
-    /// Each record ends with a free decay, after the drive is switched off: frequency and damping over amplitude
+    /// For records that end in a free decay after the drive is switched off: frequency and damping over amplitude
     pub free_decay: Option<RawFreeDecay>,
     /// Mass-normalised linear modes at the response channels; without them there are no modal quantities
     pub linear_modes: Option<RawLinearModes>,
     /// The structure, instead of `linear_modes`: its linear modes at the sensors are computed, without damping
     pub structure: Option<RawStructure>,
-    /// What is to be extracted
+    /// What is extracted from the records
     pub extraction: Option<RawExtraction>,
-    /// The stop, for restitution and contact stiffness
+    /// The stop whose restitution and contact stiffness are evaluated
     pub stop: Option<RawStop>,
     /// Computed branches, or other tests, that figures and page show beside the records, each under a heading
     /// `[[overlay]]`
     pub overlay: Option<Vec<Overlay>>,
-    /// Where results go
+    /// Where results are written, and which
     pub output: Option<Directory>,
 }
 
@@ -50,7 +50,7 @@ pub struct RawRecording {
     /// Sampling rate; must agree with the time column or the header to 1e-6
     #[schemars(extend("unit" = "Hz", "exclusiveMinimum" = 0.0))]
     pub sample_rate_hz: Option<f64>,
-    /// Name of the time column of .csv files, or of the array of times of .mat and .h5, in s
+    /// Name of the time column of .csv files, or of the array of times in .mat and .h5 files, in s
     #[schemars(length(min = 1))]
     pub time_column: Option<String>,
     /// "steady": the parts of each record in which force, motion, lag and frequency are steady are its segments
@@ -68,20 +68,20 @@ pub enum Found {
 /// A part of a recording in which a level is held: `from_s` and `to_s`, or `flag`, or `segments`.
 #[derive(Debug, Deserialize, JsonSchema)]
 pub struct RawRecordSegment {
-    /// Name in table, figures and page; default: its number
+    /// Name in the table, the figures and on the page; default: its number
     #[schemars(length(min = 1))]
     pub name: Option<String>,
-    /// One of `recording.files`; default: each of them
+    /// One of `recording.files`; default: all of them
     #[schemars(length(min = 1))]
     pub file: Option<String>,
-    /// Its first instant, on the time axis of the file; without one the first sample is at 0
+    /// When it begins, on the time axis of the file; without a time axis, the first sample is at 0
     #[schemars(extend("unit" = "s"))]
     pub from_s: Option<f64>,
-    /// Its end
+    /// When it ends
     #[schemars(extend("unit" = "s"))]
     pub to_s: Option<f64>,
-    /// A channel of the file that is not zero while a level is held, in place of `from_s` and `to_s`: any of its names,
-    /// or its number, from 1, in files without names; every stretch is a segment
+    /// A channel that is not zero while a level is held, instead of `from_s` and `to_s`: any of its names, or in files
+    /// without names its number, from 1. Every such stretch is a segment
     #[schemars(length(min = 1))]
     pub flag: Option<String>,
     /// "steady": the parts in which force, motion, lag and frequency are steady, in place of `from_s` and `to_s`
@@ -91,10 +91,10 @@ pub struct RawRecordSegment {
 /// The free decay at the end of a record.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 pub struct RawFreeDecay {
-    /// When the drive is off, on the time axis of the file; default: where the force has ended
+    /// When the decay begins, on the time axis of the file; default: where the force has ended
     #[schemars(extend("unit" = "s"))]
     pub from_s: Option<f64>,
-    /// Its end; default: that of the record, or where noise ends it
+    /// When it ends; default: at the end of the record, or where it sinks into noise
     #[schemars(extend("unit" = "s"))]
     pub to_s: Option<f64>,
 }
@@ -102,7 +102,8 @@ pub struct RawFreeDecay {
 /// A channel of the records.
 #[derive(Debug, Deserialize, JsonSchema)]
 pub struct RawChannel {
-    /// Name of the column, or in the header; files without names (.wav, .npy) are taken in the order of the headings
+    /// Name of the column, or the name in the header; in files without names (.wav, .npy), channels are taken in the
+    /// order of the headings
     #[schemars(length(min = 1))]
     pub name: String,
     /// What the channel measures
@@ -110,21 +111,21 @@ pub struct RawChannel {
     /// Unit of the recorded numbers, for instance N, m, mm, m/s, m/s^2, g, rad; default: the SI unit
     #[schemars(length(min = 1))]
     pub unit: Option<String>,
-    /// What the channel is there for
+    /// What the channel is used for
     pub role: ChannelRole,
     /// Position along the structure, where the channel has one
     #[schemars(extend("unit" = "m"))]
     pub position_m: Option<f64>,
-    /// 1, or -1 for a sensor that is turned round
+    /// 1, or -1 for a sensor that is mounted the other way round
     #[schemars(range(min = -1, max = 1), extend("default" = 1))]
     pub sign: Option<i32>,
     /// Recorded number per unit
     #[schemars(extend("default" = 1.0, "exclusiveMinimum" = 0.0))]
     pub sensitivity: Option<f64>,
-    /// By how much the signal arrived late
+    /// Delay of the signal
     #[schemars(extend("default" = 0.0, "unit" = "s"))]
     pub delay_s: Option<f64>,
-    /// Smallest and largest value that the sensor can give, in `unit`
+    /// Measuring range of the sensor, [smallest, largest], in `unit`
     pub range: Option<[f64; 2]>,
 }
 
@@ -137,30 +138,30 @@ pub struct RawLinearModes {
     /// Damping ratios; default: zero
     #[schemars(inner(range(min = 0.0)), length(min = 1, max = MAX_LIST))]
     pub damping_ratios: Option<Vec<f64>>,
-    /// Standard error of the frequencies, relative; that of the contact force by balance has it within
+    /// Relative standard error of the frequencies, which enters that of the contact force by balance
     #[schemars(extend("default" = 1e-3, "minimum" = 0.0, "maximum" = 1.0))]
     pub frequency_uncertainty: Option<f64>,
-    /// Standard error of the damping ratios, relative
+    /// Relative standard error of the damping ratios
     #[schemars(extend("default" = 0.1, "minimum" = 0.0, "maximum" = 1.0))]
     pub damping_uncertainty: Option<f64>,
-    /// Standard error of the shapes at each position, relative
+    /// Relative standard error of the shapes at each position
     #[schemars(extend("default" = 0.01, "minimum" = 0.0, "maximum" = 1.0))]
     pub shape_uncertainty: Option<f64>,
-    /// Positions that the rows of `shapes` belong to
+    /// Positions of the rows of `shapes`
     #[schemars(length(min = 1, max = MAX_LIST), extend("unit" = "m"))]
     pub positions_m: Vec<f64>,
-    /// Mode shapes, mass-normalised: a row a position, an entry a mode
+    /// Mass-normalised mode shapes: a row for each position, an entry for each mode
     #[schemars(inner(length(min = 1, max = MAX_LIST)), length(min = 1, max = MAX_LIST), extend("unit" = "1/√kg"))]
     pub shapes: Vec<Vec<f64>>,
 }
 
-/// What is to be extracted.
+/// What is extracted from the records.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 pub struct RawExtraction {
     /// Number of the linear mode that is excited, 1 for the lowest
     #[schemars(range(min = 1), extend("default" = 1))]
     pub mode: Option<u32>,
-    /// Periods to take from the end of each record; default: as many as there are
+    /// Number of periods to take from the end of each record; default: all
     #[schemars(range(min = 2, max = 1_000_000))]
     pub periods: Option<u32>,
     /// Harmonics of the mode shape and of the participation
@@ -170,7 +171,7 @@ pub struct RawExtraction {
     #[serde(default)]
     #[schemars(schema_with = "number_or_nyquist")]
     pub pbmif_harmonics: Option<RawPbmifHarmonics>,
-    /// A first guess of the frequency; default: from the record
+    /// First guess of the frequency; default: taken from the record
     #[schemars(extend("unit" = "Hz", "exclusiveMinimum" = 0.0))]
     pub frequency_hz: Option<f64>,
 }
@@ -212,7 +213,7 @@ pub struct RawStop {
     /// Clearance at rest
     #[schemars(extend("unit" = "m"))]
     pub gap_m: f64,
-    /// Side on which the stop stands
+    /// Side on which the stop is
     #[schemars(extend("default" = "positive"))]
     pub side: Option<Side>,
 }

@@ -25,24 +25,23 @@ pub struct RawReducedScene {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[schemars(extend("oneRequired" = ["flexibility_m_n", "residual_flexibility_m_n"]))]
 pub struct RawReduced {
-    /// What the structure is made of
+    /// Material of the structure
     #[serde(rename = "kind")]
     pub _kind: ReducedKind,
     /// Frequencies of the modes with open contacts, ascending, 0 for each rigid-body motion: a list, or a file .npz
     /// ("modes.npz#frequencies"), .npy, .csv or .txt, relative to the scene
     #[schemars(schema_with = "frequencies")]
     pub frequencies_hz: Numbers,
-    /// Displacements of contacts and of places where forces act, its rows, in the mass-normalised modes (1/√kg): a line
-    /// a row with a number a mode, or a line a mode, as a file or a list of lists
+    /// Displacements of contacts and of places where forces act (the rows) in the mass-normalised modes, 1/√kg: rows ×
+    /// modes or modes × rows, as a file or a list of lists
     #[schemars(schema_with = "rows")]
     pub contact_rows: Numbers,
-    /// Static displacements of the rows under unit forces along them, that of the modes included: rows × rows,
+    /// Static displacements of the rows under unit forces along them, including the share of the modes: rows × rows,
     /// symmetric
     #[serde(default)]
     #[schemars(schema_with = "flexibility")]
     pub flexibility_m_n: Option<Numbers>,
-    /// The same without the share of the modes, in place of `flexibility_m_n`; the only one that a structure has which
-    /// floats
+    /// The same without the share of the modes, instead of `flexibility_m_n`; floating structures have only this one
     #[serde(default)]
     #[schemars(schema_with = "flexibility")]
     pub residual_flexibility_m_n: Option<Numbers>,
@@ -60,7 +59,7 @@ pub struct RawRowContact {
     /// Sign of the displacements of the row that the stop limits
     #[schemars(extend("default" = "positive"))]
     pub side: Option<Side>,
-    /// Clearance at rest; 0 touches, a negative one presses
+    /// Clearance at rest; at 0 the stop just touches, and a negative gap preloads it
     #[schemars(extend("unit" = "m"))]
     pub gap_m: f64,
     /// Contact stiffness; left out, the stop is rigid

@@ -10,9 +10,9 @@ pub struct RawLawSpring {
     /// The place whose displacement it resists, and the direction
     #[serde(flatten)]
     pub place: RawPlace,
-    /// The place that it is fastened to in place of the ground; its direction is that of the spring
+    /// The place that the other end is fixed to, instead of the ground; its direction is that of the spring
     pub against: Option<RawPlace>,
-    /// Its force
+    /// The law of force
     pub law: RawLaw,
 }
 
@@ -36,10 +36,10 @@ pub struct RawLaw {
     pub bilinear: Option<RawBilinear>,
     /// Power of the velocity
     pub damper: Option<RawDamper>,
-    /// Table velocity_m_s,force_n through the origin, in the same way as `table`
+    /// Table velocity_m_s,force_n through the origin, like `table`
     #[schemars(length(min = 1))]
     pub damper_table: Option<String>,
-    /// Name of a law that a program gives beside the scene, as `nlmodes.Law` of Python does
+    /// Name of a law that a program supplies with the scene, as `nlmodes.Law` does in Python
     #[schemars(length(min = 1))]
     pub function: Option<String>,
 }
@@ -71,7 +71,7 @@ pub struct RawExponential {
 /// Stiffness that changes at a displacement on either side.
 #[derive(Debug, Deserialize, JsonSchema)]
 pub struct RawBilinear {
-    /// Stiffness about rest
+    /// Stiffness near rest
     #[schemars(extend("unit" = "N/m"))]
     pub stiffness_n_m: f64,
     /// Stiffness beyond the displacement

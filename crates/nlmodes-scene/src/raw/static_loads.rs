@@ -9,15 +9,16 @@ use crate::scene::Side;
 /// Weight: the whole mass, that of contact nodes included, in a uniform field.
 #[derive(Debug, Deserialize, JsonSchema)]
 pub struct RawGravity {
-    /// Its acceleration
+    /// Acceleration
     #[serde(default = "standard_gravity")]
     #[schemars(extend("unit" = "m/s^2", "minimum" = 0.0, "default" = 9.81))]
     pub acceleration_m_s2: f64,
-    /// Direction in which it pulls; default along a rod, across a beam. Of a structure from files three numbers
+    /// Direction in which it pulls: "axial" or "transverse", by default along a rod and across a beam; for a structure
+    /// from files, three numbers
     #[serde(default)]
     #[schemars(schema_with = "word_or_vector")]
     pub direction: Option<RawDirection>,
-    /// Side to which it pulls a rod or beam
+    /// Side toward which it pulls a rod or beam
     #[schemars(extend("default" = "positive"))]
     pub side: Option<Side>,
 }
@@ -37,7 +38,7 @@ pub struct RawStaticForce {
     #[serde(default)]
     #[schemars(schema_with = "name_or_numbers")]
     pub nodes: Option<NameOrNumbers>,
-    /// The force in this direction, against it where it is negative
+    /// The force in this direction; negative values act against it
     #[schemars(extend("unit" = "N"))]
     pub force_n: f64,
 }
@@ -48,10 +49,10 @@ pub struct RawThermal {
     /// Coefficient of linear expansion
     #[schemars(extend("unit" = "1/K", "minimum" = 0.0))]
     pub expansion_1_k: Option<f64>,
-    /// Temperature above that of the drawing
+    /// Rise in temperature since the gaps were measured
     #[schemars(extend("unit" = "K"))]
     pub temperature_k: Option<f64>,
-    /// Of a structure from files: table of thermal forces node,component,force_n, relative to the scene
+    /// For a structure from files: table of thermal forces node,component,force_n, relative to the scene
     #[schemars(length(min = 1))]
     pub forces: Option<String>,
 }
@@ -60,7 +61,7 @@ pub struct RawThermal {
 /// program.
 #[derive(Debug, Deserialize, JsonSchema)]
 pub struct RawStaticDisplacement {
-    /// Table node,component,displacement_m, relative to the scene; nodes that it leaves out stay where they are
+    /// Table node,component,displacement_m, relative to the scene; nodes that are not listed do not move
     #[schemars(length(min = 1))]
     pub file: String,
 }

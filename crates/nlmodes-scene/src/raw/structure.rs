@@ -12,7 +12,7 @@ const MAX_REFINEMENT: f64 = 65536.0;
 /// Geometry, mesh and supports.
 #[derive(Debug, Deserialize, JsonSchema)]
 pub struct RawStructure {
-    /// Which motions the structure has
+    /// What the structure is
     pub kind: StructureKind,
     /// Length along the axis
     #[schemars(extend("unit" = "m", "exclusiveMinimum" = 0.0))]
@@ -20,7 +20,7 @@ pub struct RawStructure {
     /// Number of elements
     #[schemars(range(min = 1, max = MAX_ELEMENTS))]
     pub elements: u32,
-    /// Length of the first element over that of the last, in geometric progression
+    /// Length of the first element relative to the last, in geometric progression
     #[schemars(range(min = 1e-6, max = 1e6), extend("default" = 1.0))]
     pub grading: Option<f64>,
     /// Mass matrix of the elements
@@ -31,27 +31,27 @@ pub struct RawStructure {
     /// Support at the end, at position `length_m`
     #[schemars(extend("default" = "free"))]
     pub end: Option<Support>,
-    /// What the structure is made of
+    /// Material of the structure
     pub material: RawMaterial,
     /// Cross section of the structure
     pub section: RawSection,
-    /// Mass per length beside that of the section, as of what fills a tube or hangs on it; without rotary inertia
+    /// Mass per length in addition to the section's, such as the contents of a tube; without rotary inertia
     #[schemars(extend("unit" = "kg/m", "minimum" = 0.0, "default" = 0.0))]
     pub added_mass_kg_m: Option<f64>,
-    /// How many times shorter the elements beside stops are than without: each is halved toward the stop until it is
-    /// that short
+    /// How many times shorter the elements next to stops become: they are halved toward the stop until they are that
+    /// short
     #[schemars(extend("default" = 1.0, "minimum" = 1.0, "maximum" = MAX_REFINEMENT))]
     pub refine: Option<f64>,
-    /// Parts with their own sections and materials, any number, each under its own heading `[[structure.segment]]`;
-    /// beyond the last one those of the structure go on
+    /// Segments with their own section and material, any number, each under its own heading `[[structure.segment]]`;
+    /// beyond the last one, those of the structure apply
     pub segment: Option<Vec<RawSegment>>,
     /// Point masses at nodes, any number, each under its own heading `[[structure.mass_point]]`
     pub mass_point: Option<Vec<MassPoint>>,
     /// Springs between nodes and the ground, any number, each under its own heading `[[structure.spring]]`
     pub spring: Option<Vec<RawSpring>>,
-    /// Frequencies imposed on the lowest modes, as measured ones; the model is then a modal one
+    /// Frequencies imposed on the lowest modes, for instance measured ones
     pub modes: Option<ImposedModes>,
-    /// Damping of this structure of several, in place of that of `[damping]`
+    /// Damping of this structure, if there are several, instead of `[damping]`
     pub damping: Option<RawModeDamping>,
 }
 

@@ -6,28 +6,27 @@ use super::RawPlace;
 /// Most places whose motion is written.
 const MAX_PLACES: u32 = 1000;
 
-/// A motion in time under any loads, in place of a branch or responses.
+/// A motion in time under any loads, instead of a branch or responses.
 #[derive(Debug, Deserialize, JsonSchema)]
 pub struct RawTransient {
     /// Its length
     #[schemars(extend("unit" = "s", "exclusiveMinimum" = 0.0))]
     pub duration_s: f64,
-    /// Where it begins: undeformed and still, at rest under its static loads and before stops that press, or on a
-    /// motion that was computed
+    /// How it begins: undeformed and still, at rest under static loads and stops, or on a motion that was computed
     #[serde(default)]
     #[schemars(schema_with = "start")]
     pub from: RawStart,
-    /// Samples of the histories in a second; default 64 in a period of the highest frequency of the loads or, where
-    /// that is higher, of the lowest mode, and not fewer than a table has
+    /// Samples per second of the histories; default: 64 per period of the highest frequency of the loads or, if that is
+    /// higher, of the lowest mode, and no fewer than a table has
     #[schemars(extend("unit" = "Hz", "exclusiveMinimum" = 0.0))]
     pub sample_rate_hz: Option<f64>,
-    /// Equal parts of the duration of which the envelope holds the largest and the smallest value
+    /// Number of equal parts of the duration for which the envelope has the largest and the smallest value
     #[schemars(range(min = 1, max = 1_000_000), extend("default" = 500))]
     pub envelope_windows: Option<u32>,
     /// Loads, each under its own heading `[[transient.load]]`
     pub load: Option<Vec<RawTransientLoad>>,
-    /// Places whose motion is written, each under its own heading `[[transient.place]]`; default those of the loads.
-    /// Contacts are written in any case
+    /// Places whose motion is written, each under its own heading `[[transient.place]]`; default: those of the loads.
+    /// Contacts are always written
     #[schemars(length(max = MAX_PLACES))]
     pub place: Option<Vec<RawPlace>>,
 }
@@ -40,7 +39,7 @@ pub enum RawStart {
     Word(StartWord),
     /// A point of results.
     Point {
-        /// Directory that a run has written.
+        /// Directory written by a run.
         results: String,
         /// Number of the point, as in its `branch.csv`.
         point: usize,
@@ -84,7 +83,7 @@ pub struct RawTransientLoad {
     /// Where and in which direction it acts; of a base the direction alone
     #[serde(flatten)]
     pub place: RawPlace,
-    /// What of the base is given, in place of a force; stops move with the base
+    /// Quantity of the base that is given, instead of a force; stops move with the base
     #[serde(default)]
     #[schemars(schema_with = "base")]
     pub base: Option<String>,
@@ -92,19 +91,19 @@ pub struct RawTransientLoad {
     #[serde(default)]
     #[schemars(extend("unit" = "s", "minimum" = 0.0, "default" = 0.0))]
     pub start_s: f64,
-    /// A cosine that goes on
+    /// A steady cosine
     pub sine: Option<RawSine>,
-    /// A cosine whose frequency runs evenly from one to another
+    /// A cosine whose frequency changes at a constant rate
     pub chirp: Option<RawChirp>,
     /// Table time_s,force_n, or time_s,acceleration_m_s2 of a base, joined by straight lines, zero before and behind:
     /// .csv with or without these names above, .npy or .npz#array with two columns; relative to the scene
     #[schemars(length(min = 1))]
     pub table: Option<String>,
-    /// Noise with an even spectrum in a band
+    /// Noise with a flat spectrum in a band
     pub noise: Option<RawTransientNoise>,
     /// Half a period of a sine
     pub half_sine: Option<RawHalfSine>,
-    /// A blow without duration
+    /// An impulse without duration
     pub impact: Option<RawImpact>,
 }
 
@@ -125,7 +124,7 @@ pub struct RawSine {
     /// Frequency
     #[schemars(extend("unit" = "Hz", "exclusiveMinimum" = 0.0))]
     pub frequency_hz: f64,
-    /// Phase by which it is ahead of a cosine
+    /// Phase lead over a cosine
     #[serde(default)]
     #[schemars(range(min = -3600.0, max = 3600.0), extend("unit" = "deg", "default" = 0.0))]
     pub phase_deg: f64,
@@ -141,16 +140,16 @@ pub struct RawChirp {
     /// Amplitude of an acceleration of the base
     #[schemars(extend("unit" = "m/s^2"))]
     pub amplitude_m_s2: Option<f64>,
-    /// Frequency at its beginning
+    /// Frequency at the beginning
     #[schemars(extend("unit" = "Hz", "exclusiveMinimum" = 0.0))]
     pub from_hz: f64,
-    /// Frequency at its end, or where it turns
+    /// Frequency at the end, or where it turns back
     #[schemars(extend("unit" = "Hz", "exclusiveMinimum" = 0.0))]
     pub to_hz: f64,
-    /// Whether it comes back to the first frequency in the second half
+    /// Whether it returns to the first frequency in the second half
     #[serde(default)]
     pub back: bool,
-    /// Its length; default up to the end of the motion
+    /// Length; default: to the end of the motion
     #[schemars(extend("unit" = "s", "exclusiveMinimum" = 0.0))]
     pub length_s: Option<f64>,
 }
@@ -159,16 +158,16 @@ pub struct RawChirp {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[schemars(extend("oneRequired" = ["rms_n", "rms_m_s2"]))]
 pub struct RawTransientNoise {
-    /// Effective value of a force
+    /// Root mean square of a force
     #[schemars(extend("unit" = "N", "exclusiveMinimum" = 0.0))]
     pub rms_n: Option<f64>,
-    /// Effective value of an acceleration of the base
+    /// Root mean square of an acceleration of the base
     #[schemars(extend("unit" = "m/s^2", "exclusiveMinimum" = 0.0))]
     pub rms_m_s2: Option<f64>,
     /// Lowest and highest frequency
     #[schemars(inner(range(min = 0.0)), extend("unit" = "Hz"))]
     pub band_hz: [f64; 2],
-    /// Number from which it is made: the same one gives the same noise
+    /// Seed: the same number gives the same noise
     #[serde(default)]
     #[schemars(extend("default" = 0))]
     pub seed: u32,
@@ -192,7 +191,7 @@ pub struct RawHalfSine {
 /// A blow.
 #[derive(Debug, Deserialize, JsonSchema)]
 pub struct RawImpact {
-    /// Its impulse: the force integrated over time
+    /// Impulse: the force integrated over time
     #[schemars(extend("unit" = "N s"))]
     pub impulse_ns: f64,
 }

@@ -18,29 +18,28 @@ pub struct RawTestScene {
     pub title: Option<String>,
     /// The structure: geometry, mesh and supports
     pub structure: RawStructure,
-    /// The rig, and the test on it
+    /// A simulated rig and the test run on it
     pub virtual_test: RawVirtualTest,
     /// What is to be extracted from the record of each level
     pub extraction: Option<RawExtraction>,
     /// Computed branches, or other tests, that figures and page show beside the levels, each under a heading
     /// `[[overlay]]`
     pub overlay: Option<Vec<Overlay>>,
-    /// Where results go
+    /// Where results are written, and which
     pub output: Option<Directory>,
 }
 
-/// The rig, and the test on it.
+/// A simulated rig and the test run on it.
 #[derive(Debug, Deserialize, JsonSchema)]
 pub struct RawVirtualTest {
-    /// Damping ratios of the lowest modes, one a mode; so many modes are taken. Default:
-    /// `structure.modes.damping_ratios`
+    /// Damping ratios of the lowest modes; their number is that of the modes. Default: `structure.modes.damping_ratios`
     #[schemars(inner(range(min = 0.0, max = 0.999)), length(min = 1, max = MAX_LIST))]
     pub damping_ratios: Option<Vec<f64>>,
     /// Frequencies of these modes, as measured ones; the shapes stay those of the structure. Default: those of the
     /// structure, with `structure.modes` imposed
     #[schemars(inner(range(min = 1e-9)), length(min = 1, max = MAX_LIST), extend("unit" = "Hz"))]
     pub frequencies_hz: Option<Vec<f64>>,
-    /// Where the exciter pushes, and the loop measures
+    /// Position at which the exciter pushes and the loop measures
     #[schemars(extend("unit" = "m", "minimum" = 0.0))]
     pub drive_m: f64,
     /// Positions of the accelerometers
@@ -54,18 +53,19 @@ pub struct RawVirtualTest {
     pub seed: Option<u32>,
     /// The stop, with sensors of displacement, velocity and force; without it the structure is linear
     pub stop: Option<TestStop>,
-    /// What turns the drive into a force
+    /// The exciter, which turns the drive into a force
     pub exciter: Option<RawExciter>,
-    /// Noise of the sensors, none by default
+    /// Noise of the sensors; default: none
     pub noise: Option<RawNoise>,
     /// The phase-locked loop
     #[serde(rename = "loop")]
     pub control: Option<TestLoop>,
-    /// Levels of the drive, and how they are held
+    /// Levels of the drive, and how each is held
     pub schedule: RawSchedule,
-    /// Which records are kept, and how; none by default
+    /// Which records are kept, and in which format; default: none
     pub records: Option<KeptRecords>,
-    /// The conservative backbone of the same modes and the same stop, computed beside the test; left out, it is not
+    /// The conservative backbone of the same modes and the same stop, computed beside the test; left out, none is
+    /// computed
     pub backbone: Option<Backbone>,
 }
 
@@ -121,7 +121,7 @@ pub struct RawNoise {
     pub contact_force_n: Option<f64>,
 }
 
-/// Levels of the drive, and how they are held.
+/// Levels of the drive, and how each is held.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 pub struct RawSchedule {
     /// Levels of a shaker: amplitudes of its voltage

@@ -76,7 +76,7 @@ choices! {
         /// They move with the base
         #[default]
         Moves = "moves",
-        /// They stand fixed in space
+        /// They are fixed in space
         Fixed = "fixed",
     }
     /// What the structure is.
@@ -146,10 +146,10 @@ choices! {
     /// Side on which a stop stands.
     #[derive(Default)]
     Side {
-        /// Touched by a positive displacement
+        /// On the positive side
         #[default]
         Positive = "positive",
-        /// Touched by a negative displacement
+        /// On the negative side
         Negative = "negative",
     }
     /// Method for the periodic motion.
@@ -177,7 +177,7 @@ choices! {
     /// For which points Floquet multipliers are computed.
     #[derive(Default)]
     StabilityChoice {
-        /// For all points of shooting, and for those in harmonics of structures of up to 16 modes
+        /// For all points of shooting, and for those in harmonics of structures of up to 40 modes and 16 contacts
         #[default]
         #[serde(alias = "figures")]
         Auto = "auto",
@@ -187,13 +187,13 @@ choices! {
         /// For none
         Never = "never",
     }
-    /// How the instants of touching and leaving are found.
+    /// How the instants of closing and opening are found.
     #[derive(Default)]
     Switching {
         /// As roots, with Fourier integrals in closed form
         #[default]
         Exact = "exact",
-        /// On an equidistant grid of `samples` a period
+        /// On an equidistant grid of `samples` per period
         Sampled = "sampled",
     }
     /// What happens to the mass of the contact degrees of freedom.
@@ -202,9 +202,9 @@ choices! {
         /// It is left out
         #[default]
         Drop = "drop",
-        /// It goes to the neighbours; total mass and centre of mass stay
+        /// It is moved to the neighbours; total mass and centre of mass are kept
         Move = "move",
-        /// It goes to the neighbours; total mass, centre of mass and moment of inertia stay
+        /// It is moved to the neighbours; total mass, centre of mass and moment of inertia are kept
         Conserve = "conserve",
         /// It stays where it is, for hbm
         None = "none",
@@ -240,24 +240,24 @@ choices! {
         /// None: full Fourier series with a phase anchor
         None = "none",
     }
-    /// Which arm is followed at a branch point.
+    /// Which half-branch is followed at a branch point.
     #[derive(Default)]
     AtBranchPoint {
-        /// The branch's own, through the point
+        /// The branch's own continuation
         #[default]
         Stay = "stay",
-        /// Another, along which the energy grows most
+        /// The one along which energy grows most
         Switch = "switch",
-        /// Each, as a branch of its own
+        /// All, each as a branch of its own
         All = "all",
     }
     /// What is done where an internal resonance leads the branch away.
     #[derive(Default)]
     InternalResonance {
-        /// The tongue is followed
+        /// Follow it
         #[default]
         Follow = "follow",
-        /// The tongue is left at its foot, the backbone resumed at its other side
+        /// Leave it out and continue with the backbone beyond it
         Skip = "skip",
     }
     /// Which way a branch leaves its start.
@@ -268,7 +268,7 @@ choices! {
         Up = "up",
         /// Toward lower frequencies, or energies
         Down = "down",
-        /// One after the other
+        /// Both, one after the other
         Both = "both",
     }    /// What turns the drive of a virtual test into a force.
     #[derive(Default)]
@@ -276,7 +276,7 @@ choices! {
         /// An electrodynamic shaker, driven by voltage
         #[default]
         Shaker = "shaker",
-        /// A force as it is wanted
+        /// An ideal force
         Force = "force",
     }
     /// How the loop measures the lag.

@@ -6,13 +6,13 @@ use super::{AtBranchPoint, FrequencyDirection, InternalResonance};
 /// How far the branch is followed: to a limit of energy, of frequency, or whichever comes first.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Continuation {
-    /// Averaged kinetic energy at which the branch ends, over that at grazing
+    /// Averaged kinetic energy at which the branch ends, relative to that at grazing
     #[schemars(extend("exclusiveMinimum" = 1.0))]
     pub max_energy_ratio: Option<f64>,
-    /// Frequency window [lowest, highest]; the branch ends where it leaves it
+    /// Frequency window [lowest, highest], where the branch ends
     #[schemars(extend("unit" = "Hz"), inner(range(min = 0.0)))]
     pub frequency_hz: Option<[f64; 2]>,
-    /// Most points of the branch
+    /// Maximum number of points of the branch
     #[serde(default = "max_points")]
     #[schemars(range(min = 2, max = 1_000_000))]
     pub max_points: usize,
@@ -20,30 +20,30 @@ pub struct Continuation {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("unit" = "Hz", "exclusiveMinimum" = 0.0))]
     pub start_frequency_hz: Option<f64>,
-    /// Averaged kinetic energy on the backbone at which to start, over that at grazing
+    /// Averaged kinetic energy on the backbone at which to start, relative to that at grazing
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 1.0))]
     pub start_energy_ratio: Option<f64>,
-    /// Averaged kinetic energy at which a nonlinear mode of a structure with `[[spring]]` starts; default: where their
-    /// laws hardly change the linear mode, and no stop is touched
+    /// Averaged kinetic energy at which a nonlinear mode of a structure with `[[spring]]` starts; default: where the
+    /// springs hardly change the linear mode and no stop is touched yet
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("unit" = "J", "exclusiveMinimum" = 0.0))]
     pub start_energy_j: Option<f64>,
-    /// The same by the amplitude of the first spring in the linear mode
+    /// The same, as the amplitude of the first spring in the linear mode
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("unit" = "m", "exclusiveMinimum" = 0.0))]
     pub start_amplitude_m: Option<f64>,
-    /// Which way the branch leaves `start_frequency_hz` or `start_energy_ratio`
+    /// Direction in which the branch leaves `start_frequency_hz` or `start_energy_ratio`
     #[serde(default)]
     pub direction: FrequencyDirection,
-    /// Which arm is followed at a branch point
+    /// Which half-branch is followed at a branch point
     #[serde(default)]
     pub at_branch_point: AtBranchPoint,
-    /// Most branches with `at_branch_point = "all"`
+    /// Maximum number of branches with `at_branch_point = "all"`
     #[serde(default = "max_branches")]
     #[schemars(range(min = 1, max = 1000))]
     pub max_branches: usize,
-    /// What is done where an internal resonance leads the branch away from the backbone
+    /// What to do where an internal resonance leads the branch away from the backbone
     #[serde(default)]
     pub internal_resonance: InternalResonance,
 }

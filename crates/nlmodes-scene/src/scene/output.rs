@@ -11,19 +11,19 @@ const MAX_HISTORIES: u32 = 10_000;
 /// Which results are written, and where.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize, JsonSchema)]
 pub struct Output {
-    /// Directory of the result files, from where the program is started; default: `results/<name of the file>`
+    /// Directory of the result files, relative to where the program is started; default: `results/<name of the file>`
     #[serde(default)]
     #[schemars(length(min = 1))]
     pub directory: Option<PathBuf>,
     /// For which points Floquet multipliers are computed
     #[serde(default)]
     pub stability: StabilityChoice,
-    /// Wall time for them, of each curve; points after it have none, which its end tells. Default ten times that of the
-    /// curve, and twenty seconds at least
+    /// Wall time allowed for the multipliers of each curve; points beyond it have none, which is reported. Default: ten
+    /// times that of the curve, at least twenty seconds
     #[serde(default)]
     #[schemars(extend("unit" = "s", "minimum" = 0.0))]
     pub stability_budget_s: Option<f64>,
-    /// Largest relative errors of the results that are wanted: `summary.json` and the page tell where they are met
+    /// Relative errors that are acceptable; `summary.json` and the page say where they are met
     #[serde(default)]
     pub require: Requirement,
     /// Which files.
@@ -60,10 +60,10 @@ impl Requirement {
     }
 }
 
-/// Where results go.
+/// Where results are written, and which.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize, JsonSchema)]
 pub struct Directory {
-    /// Directory of the result files, from where the program is started; default: `results/<name of the file>`
+    /// Directory of the result files, relative to where the program is started; default: `results/<name of the file>`
     #[serde(default)]
     #[schemars(length(min = 1))]
     pub directory: Option<PathBuf>,
@@ -77,22 +77,22 @@ pub struct OutputFiles {
     pub figures: bool,
     /// Whether the page `report.html` is written
     pub page: bool,
-    /// Whether the results are written for MATLAB and Octave too, as `results.mat`
+    /// Whether `results.mat` is written, for MATLAB and Octave
     pub matlab: bool,
-    /// Numbers of points whose motion over a period goes to `histories.npz`, beside those that figures and page show
+    /// Numbers of further points whose motion over a period is written to `histories.npz`
     #[schemars(length(max = MAX_HISTORIES))]
     pub histories: Vec<usize>,
-    /// Width of the figures in print, mm, with letters of 8 points: 90 for one column, 190 for two; left out: 720
-    /// pixels, for screens
+    /// Width of the figures in print, in mm, with 8 point letters: 90 for one column, 190 for two; default: 720 pixels,
+    /// for screens
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 60.0, max = 400.0))]
     pub figure_width_mm: Option<f64>,
     /// Whether figures have titles
     pub figure_titles: bool,
-    /// Whether the largest stress of each point is recovered, where the elements are known
+    /// Whether the largest stress of each point is computed, where the elements are known
     pub stress: bool,
-    /// Most memory that the stresses of the modes of solids may take, GB: of larger structures none is recovered, which
-    /// the run says
+    /// Maximum memory for the stresses of the modes of solids, GB; for larger structures no stress is recovered, which
+    /// is reported
     #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub stress_memory_gb: f64,
 }
@@ -122,11 +122,11 @@ impl OutputFiles {
 /// Results that are laid over those of the scene: of another run, or of a test.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Overlay {
-    /// A folder of results, or a table with the columns frequency_hz and modal_amplitude or energy_j; from where the
-    /// scene is
+    /// A folder of results, or a table with the columns frequency_hz and modal_amplitude or energy_j; relative to the
+    /// scene
     #[schemars(length(min = 1))]
     pub path: PathBuf,
-    /// Its name in legends; default: the name of the folder or table
+    /// Name in legends; default: the name of the folder or table
     #[serde(default)]
     #[schemars(length(min = 1))]
     pub label: String,

@@ -22,7 +22,7 @@ pub struct MassPoint {
     #[serde(rename = "inertia_kg_m2", default)]
     #[schemars(extend("unit" = "kg·m²", "minimum" = 0.0))]
     pub inertia: f64,
-    /// Number of the structure of several to which it belongs; default: that under whose heading it stands
+    /// Number of the structure to which it belongs; default: the one under whose heading it is
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1))]
     pub structure: Option<usize>,

@@ -22,7 +22,7 @@ pub struct RecordScene {
     pub free_decay: Option<[Option<f64>; 2]>,
     /// The structure whose linear modes are to be used, where the scene gives no modes.
     pub structure: Option<Structure>,
-    /// What is to be extracted.
+    /// What is extracted from the records.
     pub settings: ExtractionSettings,
     /// Results overlaid on the records in figures and page.
     pub overlays: Vec<Overlay>,

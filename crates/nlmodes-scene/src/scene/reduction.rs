@@ -14,11 +14,11 @@ pub struct Reduction {
     /// contacts, whose nodes lose their mass; default: "open-modes", but "held-modes" for a rod or beam whose scene has
     /// `method.mass_redistribution` or `method.held_modes`, or is for hbm
     pub kind: Option<ReductionKind>,
-    /// Number of open modes that are retained; default: those up to four times the highest harmonic
+    /// Number of free-interface modes that are kept; default: those up to four times the highest harmonic
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1, max = MAX_MODES))]
     pub modes: Option<usize>,
-    /// Frequency up to which open modes are retained, instead of `modes`
+    /// Frequency up to which free-interface modes are kept, instead of `modes`
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("unit" = "Hz", "exclusiveMinimum" = 0.0))]
     pub up_to_hz: Option<f64>,

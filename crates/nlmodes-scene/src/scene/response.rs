@@ -108,9 +108,9 @@ pub struct BaseMotion {
 /// A curve of damped or forced motions, or one for each level; several stand under headings `[[response]]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Response {
-    /// What is followed
+    /// What is computed
     pub kind: ResponseKind,
-    /// Window [lowest, highest] of the frequency of the load, or of a mode; with kind = "force" the one frequency
+    /// Frequency window [lowest, highest] of the load, or of a mode; with kind = "force", one frequency
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(schema_with = "one_or_two_frequencies")]
     pub frequency_hz: Vec<f64>,
@@ -126,19 +126,19 @@ pub struct Response {
     #[serde(default = "quarter_turn")]
     #[schemars(extend("unit" = "deg", "exclusiveMinimum" = 0.0, "exclusiveMaximum" = 180.0))]
     pub lag_deg: f64,
-    /// Periods of the load in one of the motion
+    /// Number of periods of the load in one period of the motion
     #[serde(default = "one")]
     #[schemars(range(min = 1, max = 20))]
     pub subharmonic: usize,
-    /// Harmonics of the force that appropriation controls
+    /// Number of harmonics of the force that appropriation controls
     #[serde(default = "one")]
     #[schemars(range(min = 1, max = 1000))]
     pub controlled_harmonics: usize,
-    /// Whether each level is swept slowly up and down in time too, from rest, and laid over its curve
+    /// Whether each level is also swept up and down in time, slowly and from rest, and overlaid on its curve
     #[serde(default, skip_serializing_if = "is_off")]
     pub sweep: bool,
-    /// Length of each sweep; default so long that the frequency moves by a quarter of the bandwidth 2 ζ f of the mode
-    /// in the time 1/(2 ζ f)
+    /// Length of each sweep; by default the frequency moves by a quarter of the mode's bandwidth 2 ζ f in the time 1/(2
+    /// ζ f)
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("unit" = "s", "exclusiveMinimum" = 0.0))]
     pub sweep_s: Option<f64>,

@@ -14,7 +14,7 @@ pub struct LawSpring {
     /// The place that it is fastened to in place of the ground.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub against: Option<Place>,
-    /// Its force.
+    /// The law of force.
     pub law: SpringLaw,
 }
 

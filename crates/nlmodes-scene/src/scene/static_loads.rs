@@ -13,13 +13,13 @@ use super::{BaseDirection, Place};
 /// changes.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct StaticLoads {
-    /// Weight.
+    /// Gravity.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gravity: Option<Gravity>,
     /// Constant forces.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub forces: Vec<StaticForce>,
-    /// Heat.
+    /// A uniform rise in temperature, or thermal forces.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub thermal: Option<Thermal>,
     /// Table of the displacement under loads that a finite-element program knows, contacts open.
@@ -34,7 +34,7 @@ impl StaticLoads {
     }
 }
 
-/// Weight.
+/// Gravity.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Gravity {
     /// Acceleration along the direction, m/s²; negative on the negative side.
@@ -67,7 +67,7 @@ pub enum ForcePlace {
     },
 }
 
-/// Heat.
+/// A uniform rise in temperature, or thermal forces.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Thermal {

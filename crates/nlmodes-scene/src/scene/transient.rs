@@ -35,7 +35,7 @@ pub enum TransientStart {
     Static,
     /// On a computed motion, at its phase zero.
     Point {
-        /// Directory that a run has written.
+        /// Directory written by a run.
         results: PathBuf,
         /// Number of the point.
         point: usize,
@@ -91,7 +91,7 @@ pub enum Course {
     },
     /// Straight lines between the rows of a file.
     Table(PathBuf),
-    /// Noise with an even spectrum in a band.
+    /// Noise with a flat spectrum in a band.
     Noise {
         /// Effective value.
         rms: f64,
@@ -107,7 +107,7 @@ pub enum Course {
         /// Width, s.
         width: f64,
     },
-    /// A blow without duration.
+    /// An impulse without duration.
     Impact {
         /// Impulse, N s.
         impulse: f64,

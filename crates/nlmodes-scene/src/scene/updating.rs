@@ -6,11 +6,11 @@ use super::UpdatedParameter;
 /// Parameters that are fitted to given linear frequencies before anything else is computed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Updating {
-    /// The parameters; what the scene says of them elsewhere is where the search begins
+    /// The parameters; the search begins with their values in the scene
     #[serde(default = "modulus")]
     #[schemars(length(min = 1))]
     pub parameters: Vec<UpdatedParameter>,
-    /// Linear frequencies that the structure is to have, with its contacts open and the contact mass as `method` has it
+    /// Linear frequencies to be met, with open contacts and the contact mass as in `method`
     #[schemars(schema_with = "frequencies")]
     pub frequencies_hz: Vec<f64>,
     /// Numbers of their modes, 1 for the lowest; default: 1, 2 …

@@ -27,7 +27,7 @@ pub struct TestScene {
     pub accelerometers: Vec<f64>,
     /// The stop, if there is one.
     pub stop: Option<TestStop>,
-    /// What turns the drive into a force.
+    /// The exciter, which turns the drive into a force.
     pub exciter: Exciter,
     /// Noise of the sensors.
     pub noise: BenchNoise,
@@ -37,7 +37,7 @@ pub struct TestScene {
     pub sample_rate: f64,
     /// The phase-locked loop.
     pub control: TestLoop,
-    /// Levels of the drive, and how they are held.
+    /// Levels of the drive, and how each is held.
     pub schedule: Schedule,
     /// Which records are kept.
     pub records: Option<KeptRecords>,
@@ -72,7 +72,7 @@ pub struct TestStop {
     #[serde(alias = "gap_m")]
     #[schemars(rename = "gap_m", extend("unit" = "m"))]
     pub gap: f64,
-    /// Side on which the stop stands
+    /// Side on which the stop is
     #[serde(default)]
     pub side: Side,
     /// Contact stiffness; left out, the stop is rigid, and the modes left out yield
