@@ -14,6 +14,7 @@ import textwrap
 
 DOCS = pathlib.Path(__file__).resolve().parent.parent
 WIDTH = 100
+NAMES = ("Young", "Sobol", "Latin")
 
 
 def said(program, *arguments):
@@ -49,6 +50,11 @@ def number(value):
 def choices(node):
     """Words that a key may have, with what each means."""
     return [(v["const"], v.get("description", "")) for v in variants(node) if isinstance(v.get("const"), str)]
+
+
+def lowered(text):
+    """A text as it goes on within a sentence: names keep their capital."""
+    return text if text.startswith(NAMES) else text[:1].lower() + text[1:]
 
 
 def limits(node):
@@ -91,7 +97,7 @@ def table_of(path, node, suffix=""):
             continue
         words = choices(child)
         if words:
-            text += ": " + "; ".join(f"`\"{word}\"` {meaning[:1].lower() + meaning[1:]}".rstrip() for word, meaning in words)
+            text += ": " + "; ".join(f"`\"{word}\"` {lowered(meaning)}".rstrip() for word, meaning in words)
         rows.append((name, text, limits(child), units.get(name, [])))
     out = ["", "| key | meaning | default and limits | other units |", "| --- | --- | --- | --- |"]
     out += [f"| {name if name.startswith('[') else f'`{name}`'} | {cell(text)} | {cell(notes)} | {', '.join(also)} |" for name, text, notes, also in rows]
