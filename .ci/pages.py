@@ -5,9 +5,9 @@
 
 A page is worked through from its top in a folder of its own that holds a copy of `configs`, as its reader would:
 
-- `console`: each line that begins with `$ ` is run; what follows is compared with what the program prints. `…` stands for anything
-  within a line, a line of `…` alone for any lines; a command with nothing below it only has to succeed. Times of a run are not compared,
-  numbers to the last digit that is shown, and errors behind `±` to a factor of three.
+- `console`: each line that begins with `$ ` is run; what follows is compared with what the program prints. `…` stands for
+  anything within a line, a line of `…` alone for any lines; a command with nothing below it only has to succeed. Times of a run
+  are not compared, numbers to the last digit that is shown, and errors behind `±` to a factor of three.
 - `toml`: the block is TOML, and each of its keys one of a scene or of a study.
 - `python` outside of `docs/python.md`, whose blocks are tests of the Python package: the block compiles.
 - `rust`, `matlab`, `text`, `json`: tested elsewhere, or no code.
@@ -34,7 +34,11 @@ except ImportError:
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 GENERATED = {"keys.md", "commands.md", "files_and_columns.md"}
-BLOCK = re.compile(r"(?:^<!-- (?P<what>[\w ]+): (?P<value>.*?) -->\n)?^(?P<indent> *)```(?P<language>\w*).*\n(?P<code>(?:.*\n)*?)^ *```$", re.M)
+BLOCK = re.compile(
+    r"(?:^<!-- (?P<what>[\w ]+): (?P<value>.*?) -->\n)?"
+    r"^(?P<indent> *)```(?P<language>\w*).*\n(?P<code>(?:.*\n)*?)^ *```$",
+    re.M,
+)
 TIMES = re.compile(r"(\bin )[\d.]+ (µs|ms|s|min)\b|[\d.]+ (?:µs|ms) (?=a sample|in all)")
 NUMBER = re.compile(r"(?<![\w.])[-−+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 LIMIT_S = 300
@@ -78,7 +82,7 @@ def differs(wanted, found):
         elif at < len(found) and same(line, found[at]):
             at += 1
         else:
-            return f"{line!r} is expected, {found[at] if at < len(found) else 'nothing more'!r} is printed"
+            return f"{line!r} is expected" + (f", {found[at]!r} is printed" if at < len(found) else " and not printed")
     return None if at == len(found) else f"{found[at]!r} is printed beyond what is shown"
 
 
