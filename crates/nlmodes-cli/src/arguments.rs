@@ -57,7 +57,7 @@ Examples:
 
 Every point is on disk when it is found, in branch.csv or, of responses, in steps.jsonl. Ctrl-C ends the computation \
     where it is and writes summary and figures; a second one ends at once.
-A directory with the results of another scene is left as it is, unless `--force` is given.")]
+A directory with the results of another scene is left alone, unless `--force` is given.")]
     Run {
         #[command(flatten)]
         scene: SceneArguments,

@@ -61,7 +61,7 @@ pub fn write(arguments: &Arguments) -> Status {
     match written.and_then(|mut file| file.write_all(kind.text().as_bytes())) {
         Ok(()) => print(&format!("Wrote {name}. Next:\n  nlmodes-cli check {name}\n  nlmodes-cli run {name}")),
         Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
-            say!("error: {name} is there already, and is left as it is");
+            say!("error: {name} already exists and is left alone");
             say!("  another name can be given: nlmodes-cli new {} FILE", kind.name());
             Status::Wrong
         }

@@ -173,7 +173,7 @@ pub fn foreign(directory: &Path, scenes: &Value, over: Over, document: Option<&D
     if found.is_empty() {
         return None;
     }
-    let mut text = format!("{place} holds the results of another scene, and is left as it is");
+    let mut text = format!("{place} has the results of another scene and is left alone");
     for (key, what) in found.iter().take(MAX_SHOWN) {
         text += &format!("\n  {}: {what}", written_key(key, document));
     }

@@ -166,7 +166,8 @@ pub fn of_branch(file: &SceneFile, error: &BranchError) -> RunError {
             return file.error_at("method.mass_redistribution", &chain(error), "", &help).into();
         }
         BranchError::Hbm(HbmError::NeverTouches { mode, frequency_hz, .. }) if stops_beside_bending(&file.scene) => {
-            let title = format!("mode {mode} ({frequency_hz:.4} Hz) never touches: all stops stand along the beam");
+            let title =
+                format!("mode {mode} ({frequency_hz:.4} Hz) never touches a stop: all stops act along the beam");
             let label = format!("mode {mode} moves across the beam: expected \"transverse\"");
             let help =
                 "an axial stop is met by axial modes only: `nlmodes-cli modes` lists all, `method.mode` takes one";

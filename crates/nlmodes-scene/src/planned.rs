@@ -51,7 +51,7 @@ pub fn of_test_and_branch(root: &DeTable<'_>) -> Option<Diagnostic> {
     let (key, range) = first(root, &["contact", "method", "continuation"])?;
     let diagnostic = Diagnostic::error(format!("`{key}` does not belong to a virtual test"));
     let diagnostic = diagnostic.help(
-        "the stop of the rig stands below [virtual_test.stop], and [virtual_test.backbone] has its backbone computed",
+        "the stop of the rig belongs below [virtual_test.stop], and [virtual_test.backbone] has its backbone computed",
     );
     Some(diagnostic.at(range, "found beside [virtual_test]"))
 }

@@ -42,7 +42,7 @@ fn problem(text: &str, message: &str, place: Range<usize>) -> Diagnostic {
             .help(format!("write {number}"));
     }
     if let Some((key, value)) = number_with_unit(text, place.start) {
-        return Diagnostic::error(format!("`{key}` is a number with a unit behind it"))
+        return Diagnostic::error(format!("`{key}` is a number with a unit after it"))
             .at(place, "expected the end of the line")
             .help(format!("write {key} = {value}; the unit is part of the key"));
     }
@@ -54,7 +54,7 @@ fn problem(text: &str, message: &str, place: Range<usize>) -> Diagnostic {
     let (title, label) = match message {
         "duplicate key" => ("a key is given twice in the same table", message),
         _ if message.contains("must be quoted") => {
-            ("a text stands without quotation marks", "expected a text in quotation marks")
+            ("a text has no quotation marks", "expected a text in quotation marks")
         }
         _ if message.contains("expected `\"`") || message.contains("expected `'`") => {
             ("a quotation mark is not closed", "expected a quotation mark before the end of the line")
@@ -65,10 +65,10 @@ fn problem(text: &str, message: &str, place: Range<usize>) -> Diagnostic {
     match message {
         _ if message.contains("must be quoted") => {
             let (key, value) = bare_word(text, place.start).unwrap_or(("kind", "rod"));
-            diagnostic.help(format!("texts stand in quotes: {key} = \"{value}\""))
+            diagnostic.help(format!("texts need quotation marks: {key} = \"{value}\""))
         }
         _ if message.contains("array") => {
-            diagnostic.help("a list stands in square brackets: [50.0, 66.5]; is one not closed?")
+            diagnostic.help("a list needs square brackets: [50.0, 66.5]; is one not closed?")
         }
         _ => diagnostic,
     }
@@ -95,7 +95,7 @@ fn no_scene(text: &str) -> Option<Diagnostic> {
     let start = text.find(first).unwrap_or(0);
     let end = start + first.chars().take(60).map(char::len_utf8).sum::<usize>();
     let diagnostic =
-        Diagnostic::error("this file is no scene: it has no heading as [structure], and no key with a value")
+        Diagnostic::error("this file is not a scene: it has no heading such as [structure] and no key with a value")
             .at(start..end, format!("this looks like {kind}"))
             .help("a scene is a TOML file; `nlmodes-cli new rod` writes one with comments");
     Some(match kind {
@@ -125,7 +125,7 @@ fn one_bracket(text: &str, at: usize) -> Option<Diagnostic> {
     place_of(&two)?;
     let place = place_of(&one)?;
     Some(
-        Diagnostic::error(format!("a heading {one} stands among several {two}"))
+        Diagnostic::error(format!("a heading {one} is mixed with several {two}"))
             .at(place..place + one.len(), "expected two brackets")
             .help(format!("write {two}: each of several tables of the same name has two brackets")),
     )

@@ -182,7 +182,7 @@ fn what_a_stop_with_a_law_of_force_excludes_is_refused_by_name() -> Outcome {
         (scene.replace(HERTZ, "exponent = 1.5"), "`contact.0.exponent` belongs to a stop with a law of force"),
         (with(second), "`contact.0` has a law of force, and `contact.1` none"),
         (scene.replace("harmonics = 15", "harmonics = 15\nmass_redistribution = \"drop\""), "keep their mass"),
-        (beam(HERTZ) + &base, "stands still while the base shakes"),
+        (beam(HERTZ) + &base, "is fixed while the base moves"),
         (with(gravity), "`gravity` beside springs or stops with a law of force"),
         (with("[[sensitivity]]\nkey = \"contact.0.gap_m\"\n"), "gradients are not computed beside"),
     ] {

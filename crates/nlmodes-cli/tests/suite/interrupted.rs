@@ -324,7 +324,7 @@ fn new_scenes_are_sound_and_are_never_written_over_a_file() -> Outcome {
         let text = fs::read_to_string(folder.path().join(&file))?;
         let again = call(&["new", kind])?;
         assert_eq!(again.status.code(), Some(2));
-        assert!(said(&again).contains("left as it is"), "{}", said(&again));
+        assert!(said(&again).contains("left alone"), "{}", said(&again));
         assert_eq!(fs::read_to_string(folder.path().join(&file))?, text);
         // Defaults and template agree: each commented key is one of the schema.
         assert!(text.lines().filter(|line| line.contains('#')).count() > 20);

@@ -30,7 +30,7 @@ pub fn noise(rms: f64, band_hz: [f64; 2], seed: u32, [start, length]: [f64; 2]) 
     let lines: Vec<usize> = (1..n / 2).filter(|k| within(*k as f64 / length, band_hz)).collect();
     if lines.is_empty() {
         let apart = 1.0 / length;
-        return Err(format!("within {length} s the lines of a spectrum are {apart} Hz apart: none is in the band"));
+        return Err(format!("within {length} s the lines of a spectrum are {apart} Hz apart, and none is in the band"));
     }
     let amplitude = rms * (2.0 / lines.len() as f64).sqrt();
     let mut random = Xoshiro256PlusPlus::seed_from_u64(u64::from(seed));

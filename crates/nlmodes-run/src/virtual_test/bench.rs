@@ -113,7 +113,7 @@ fn moves(
     if shape(&drive.weights) > NODE * largest {
         return Ok(());
     }
-    let said = format!("the exciter stands where mode {mode} does not move, at {} m", number(scene.drive));
+    let said = format!("the exciter is where mode {mode} does not move, at {} m", number(scene.drive));
     Err(RigRefused { path: "virtual_test.drive_m", source: said.into() })
 }
 

@@ -88,8 +88,8 @@ pub fn dampers(
     for (i, (stiffness, _)) in stops.enumerate().filter(|(_, (_, damping))| damping.is_some()) {
         let path = format!("contact.{i}.damping_n_s_m");
         if stiffness.is_none() {
-            let diagnostic = Diagnostic::error(format!("`{path}` stands beside a rigid stop"));
-            let help = "a stop that dissipates yields: its damper stands beside `stiffness_n_m`";
+            let diagnostic = Diagnostic::error(format!("`{path}` has no effect on a rigid stop"));
+            let help = "a stop that dissipates also yields: its damper goes with `stiffness_n_m`";
             diagnostics.put(&path, diagnostic.help(help), "expected `stiffness_n_m` in this table too");
         } else if !has_responses {
             let diagnostic = Diagnostic::warning(format!("`{path}` has no effect without a response"));
@@ -197,10 +197,10 @@ fn off_node(path: &str, at: f64, mesh: &Mesh, diagnostics: &mut Diagnostics<'_>)
     let (found, last) = (diagnostics.written(path), mesh.elements());
     let label = format!("found {found}, expected the position of a node; {nearest} of {last})");
     let diagnostic = if at > length {
-        let title = format!("`{path}` lies beyond the structure, which ends at {} m", number(length));
+        let title = format!("`{path}` is beyond the structure, which ends at {} m", number(length));
         perhaps_millimetres(Diagnostic::error(title), at, length)
     } else {
-        Diagnostic::error(format!("`{path}` is too near to another node for one of its own"))
+        Diagnostic::error(format!("`{path}` is too close to another node to get one of its own"))
     };
     diagnostics.put(path, diagnostic, label);
 }
@@ -256,7 +256,7 @@ fn stand_apart(
         return true;
     }
     let diagnostic = if first.side == second.side {
-        Diagnostic::error(format!("`contact.{j}` stands where `contact.{i}` stands already")).help(
+        Diagnostic::error(format!("`contact.{j}` is at the same place as `contact.{i}`")).help(
             "of two stops with the same position, direction and side only the nearer one can touch; keep that one",
         )
     } else if first.gap + second.gap < 0.0 {

@@ -26,7 +26,7 @@ fn check_energy(branch: &Continuation, diagnostics: &mut Diagnostics<'_>) {
     let path = "continuation.start_energy_ratio";
     let (Some(ratio), Some(max)) = (branch.start_energy_ratio, branch.max_energy_ratio) else { return };
     if ratio > max {
-        let diagnostic = Diagnostic::error(format!("`{path}` lies beyond the end of the branch"));
+        let diagnostic = Diagnostic::error(format!("`{path}` is beyond the end of the branch"));
         let diagnostic = match diagnostics.document().place("continuation.max_energy_ratio") {
             Some(place) => diagnostic.with(place.value.clone(), "the end"),
             None => diagnostic,
@@ -72,7 +72,7 @@ fn check_choices(branch: &Continuation, diagnostics: &mut Diagnostics<'_>) {
     }
     if all && branch.internal_resonance == InternalResonance::Skip {
         let diagnostic =
-            Diagnostic::error("all half-branches are to be followed, and internal-resonance branches to be skipped");
+            Diagnostic::error("half-branches cannot all be followed while internal-resonance branches are skipped");
         let label = "with `at_branch_point = \"all\"`, \"follow\" was expected here";
         diagnostics.put("continuation.internal_resonance", diagnostic, label);
     }
@@ -102,7 +102,7 @@ fn check_window([low, high]: [f64; 2], diagnostics: &mut Diagnostics<'_>) {
 fn check_start(start: Option<f64>, [low, high]: [f64; 2], diagnostics: &mut Diagnostics<'_>) {
     let path = "continuation.start_frequency_hz";
     if start.is_some_and(|start| low < high && !(low..=high).contains(&start)) {
-        let diagnostic = Diagnostic::error(format!("`{path}` lies outside the frequency window"));
+        let diagnostic = Diagnostic::error(format!("`{path}` is outside the frequency window"));
         let diagnostic = match diagnostics.document().place("continuation.frequency_hz") {
             Some(place) => diagnostic.with(place.value.clone(), "the window"),
             None => diagnostic,

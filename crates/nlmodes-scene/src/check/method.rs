@@ -135,7 +135,7 @@ fn accuracy(method: &RawMethod, scene: &RawAnalysis, diagnostics: &mut Diagnosti
         diagnostics.put("method.harmonics", diagnostic, format!("found {fewest}, expected at most {max_harmonics}"));
     }
     if method.switching == Some(Switching::Sampled) {
-        let diagnostic = Diagnostic::error("`method.accuracy` does not see the error of sampling");
+        let diagnostic = Diagnostic::error("`method.accuracy` does not account for the error of sampling");
         let diagnostic = diagnostic.help("leave `switching` out: exact instants have no such error and cost less");
         diagnostics.put("method.switching", diagnostic, "expected \"exact\" beside `accuracy`");
     }

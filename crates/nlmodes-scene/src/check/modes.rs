@@ -13,7 +13,7 @@ pub fn check(modes: &ImposedModes, diagnostics: &mut Diagnostics<'_>) {
 
 fn is_paired(ratios: Option<&[f64]>, wanted: usize, diagnostics: &mut Diagnostics<'_>) {
     let Some(found) = ratios.map(<[f64]>::len).filter(|found| *found != wanted) else { return };
-    let diagnostic = Diagnostic::error("`structure.modes` has not one damping ratio for each frequency");
+    let diagnostic = Diagnostic::error("`structure.modes` needs one damping ratio for each frequency");
     let label = format!("found {found}, expected {wanted}, one a frequency");
     diagnostics.put("structure.modes.damping_ratios", diagnostic, label);
 }
@@ -21,7 +21,7 @@ fn is_paired(ratios: Option<&[f64]>, wanted: usize, diagnostics: &mut Diagnostic
 /// Whether each frequency of the list at `path` is above the one before; said at the first that is not.
 pub fn ascends(frequencies: &[f64], path: &str, diagnostics: &mut Diagnostics<'_>) -> bool {
     let Some(k) = (1..frequencies.len()).find(|&k| frequencies[k] <= frequencies[k - 1]) else { return true };
-    let diagnostic = Diagnostic::error(format!("`{path}` does not ascend"));
+    let diagnostic = Diagnostic::error(format!("`{path}` is not in ascending order"));
     diagnostics.put(
         &format!("{path}.{k}"),
         diagnostic,

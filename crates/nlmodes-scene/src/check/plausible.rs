@@ -110,7 +110,7 @@ fn rigid_body(structure: &Structure, diagnostics: &mut Diagnostics<'_>) {
         return;
     }
     let (title, label) = match structure.springs.is_empty() {
-        true => ("the structure is held nowhere", "free, as is the end"),
+        true => ("the structure has no support", "free, as is the end"),
         false => ("the structure is not held all round", "free, as is the end; springs hold the rest"),
     };
     let modes = match left {

@@ -58,7 +58,7 @@ fn contact(
 ) -> Option<RowContact> {
     let place = |raw: &RawRowContact| (raw.row, raw.side.unwrap_or(Side::Positive));
     if let Some(first) = all[..i].iter().position(|before| place(before) == place(raw)) {
-        let title = format!("`contact.{i}` stands before the same side of row {} as `contact.{first}`", raw.row);
+        let title = format!("`contact.{i}` is on the same side of row {} as `contact.{first}`", raw.row);
         let label = "expected another row, or the other side of this one";
         diagnostics.put(&format!("contact.{i}.row"), Diagnostic::error(title), label);
         return None;

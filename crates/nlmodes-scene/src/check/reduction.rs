@@ -55,7 +55,7 @@ pub fn check(
 fn of_reduced(kind: ReductionKind, diagnostics: &mut Diagnostics<'_>) {
     let help = "what the mass of the contact nodes was is not in its modes; their share of it is kept";
     let refuse = |path: &str, label: &str, diagnostics: &mut Diagnostics<'_>| {
-        let title = format!("`{path}` is not of a structure that was reduced elsewhere");
+        let title = format!("`{path}` is not possible for a structure that was reduced elsewhere");
         diagnostics.put(path, Diagnostic::error(title).help(help), label);
     };
     if kind == ReductionKind::HeldModes {

@@ -198,8 +198,8 @@ fn has_frequency(i: usize, raw: &RawResponse, kind: ResponseKind, diagnostics: &
     }
     if !given.is_empty() && given.len() != wanted {
         let diagnostic = Diagnostic::error(match wanted {
-            1 => format!("a response of kind \"{}\" has one frequency", kind.name()),
-            _ => format!("a response of kind \"{}\" has a window of frequencies", kind.name()),
+            1 => format!("a response of kind \"{}\" needs a single frequency", kind.name()),
+            _ => format!("a response of kind \"{}\" needs a frequency window", kind.name()),
         });
         diagnostics.put(&path("frequency_hz"), diagnostic, expected);
         return false;

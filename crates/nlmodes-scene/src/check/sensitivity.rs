@@ -28,7 +28,7 @@ fn parameter(k: usize, raw: &RawSensitivity, diagnostics: &mut Diagnostics<'_>) 
     let there = written_path(key, diagnostics);
     let Some(there) = there else {
         let diagnostic = Diagnostic::error(format!("the scene does not write `{key}`"));
-        let help = "a gradient is about a value that stands in the scene; a default is one when it is written";
+        let help = "gradients need a value that is written in the scene; to use a default, write it down";
         diagnostics.put(&path, diagnostic.help(help), "expected the key of a number of this scene");
         return None;
     };

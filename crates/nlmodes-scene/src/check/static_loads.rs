@@ -51,7 +51,7 @@ fn of_rows(raw: &RawAnalysis, places: &Places<'_>, diagnostics: &mut Diagnostics
         ("static_displacement", raw.static_displacement.is_some()),
     ];
     for (key, _) in refused.into_iter().filter(|(_, there)| *there) {
-        let title = format!("`{key}` is not of a structure that was reduced elsewhere");
+        let title = format!("`{key}` is not possible for a structure that was reduced elsewhere");
         let help = "a static step of the program that reduced it gives the clearance of each contact under this load, \
             with all contacts open: that is its `gap_m`";
         let label = "expected `gap_m` with this load in it, or [[static_force]] at a row";

@@ -65,7 +65,7 @@ fn presses(raw: &RawAnalysis, diagnostics: &Diagnostics<'_>) -> bool {
 /// Tables that say what else is computed, or what cannot be.
 fn alone(raw: &RawAnalysis, diagnostics: &mut Diagnostics<'_>) {
     if raw.response.as_ref().is_some_and(|responses| !responses.is_empty()) {
-        let diagnostic = Diagnostic::error("the scene asks for a motion in time and for responses");
+        let diagnostic = Diagnostic::error("the scene asks for both a motion in time and responses");
         let help = "one scene for each: `from = { results = …, point = … }` begins on a response, and \
             [response] sweep = true sweeps along it";
         diagnostics.put("transient", diagnostic.help(help), "expected [transient] or [response]");
@@ -75,7 +75,7 @@ fn alone(raw: &RawAnalysis, diagnostics: &mut Diagnostics<'_>) {
         ("base_motion", raw.base_motion.is_some()),
     ];
     for (key, _) in unused.into_iter().filter(|(_, there)| *there) {
-        let diagnostic = Diagnostic::error(format!("`{key}` is a load of responses"));
+        let diagnostic = Diagnostic::error(format!("`{key}` is a load for responses"));
         diagnostics.put(key, diagnostic, "expected [[transient.load]] for a motion in time");
     }
 }
@@ -86,7 +86,7 @@ fn has_damping(raw: &RawAnalysis, written: &RawTransient, places: &Places<'_>, d
     if raw.damping.is_some() || places.are_damped() || !written.load.iter().flatten().any(goes_on) {
         return;
     }
-    let diagnostic = Diagnostic::warning("a motion under a load that goes on, without [damping]");
+    let diagnostic = Diagnostic::warning("a motion under a lasting load, without [damping]");
     let help = "[damping] with ratio = 0.01 damps all modes with 1 %";
     diagnostics.put("transient", diagnostic.help(help), "nothing bounds it at a resonance");
 }
@@ -101,7 +101,7 @@ fn load(
 ) -> Option<TransientLoad> {
     let path = |key: &str| format!("transient.load.{i}.{key}");
     if raw.start_s >= duration {
-        let diagnostic = Diagnostic::error(format!("`{}` lies behind the end of the motion", path("start_s")));
+        let diagnostic = Diagnostic::error(format!("`{}` is after the end of the motion", path("start_s")));
         diagnostics.put(&path("start_s"), diagnostic, format!("expected less than {} s", number(duration)));
         return None;
     }
@@ -125,7 +125,7 @@ fn on(i: usize, raw: &RawTransientLoad, places: &Places<'_>, diagnostics: &mut D
         return None;
     }
     if matches!(places, Places::Rows) {
-        let diagnostic = Diagnostic::error("the base of a structure that was reduced elsewhere cannot shake");
+        let diagnostic = Diagnostic::error("the base of a structure that was reduced elsewhere cannot move");
         let help = "its mass is not known, and with it what a moving base pushes";
         diagnostics.put(&path("base"), diagnostic.help(help), "expected `row`");
         return None;
@@ -155,13 +155,13 @@ fn course(
     if given.is_empty() {
         let whole = path("");
         let whole = whole.trim_end_matches('.');
-        let diagnostic = Diagnostic::error(format!("`{whole}` has no course in time"));
+        let diagnostic = Diagnostic::error(format!("`{whole}` has no time history"));
         let expected = "expected one of `sine`, `chirp`, `table`, `noise`, `half_sine` and `impact` in this table";
         diagnostics.put(whole, diagnostic, expected);
         return None;
     }
     if let [first, second, ..] = given[..] {
-        let diagnostic = Diagnostic::error(format!("a load with two courses in time, `{first}` and `{second}`"));
+        let diagnostic = Diagnostic::error(format!("a load with two time histories, `{first}` and `{second}`"));
         diagnostics.put(&path(second), diagnostic.help("two loads at one place add"), "expected one of them");
         return None;
     }
@@ -208,7 +208,7 @@ fn course(
     }
     if let Some(impact) = &raw.impact {
         if is_base {
-            let diagnostic = Diagnostic::error(format!("`{}` is of a force", path("impact")));
+            let diagnostic = Diagnostic::error(format!("`{}` is for a force", path("impact")));
             diagnostics.put(&path("impact"), diagnostic, "expected `half_sine` with `peak_m_s2` for a shaken base");
             return None;
         }

@@ -21,7 +21,7 @@ pub fn checked(written: &Updating, uniform: bool, diagnostics: &mut Diagnostics<
 fn is_paired(updating: &Updating, diagnostics: &mut Diagnostics<'_>) {
     let (modes, frequencies) = (updating.modes.len(), updating.frequencies_hz.len());
     if modes != frequencies {
-        let diagnostic = Diagnostic::error("`updating` has not one mode for each frequency");
+        let diagnostic = Diagnostic::error("`updating` needs one mode for each frequency");
         diagnostics.put(
             "updating.modes",
             diagnostic,

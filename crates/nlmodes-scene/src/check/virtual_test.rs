@@ -96,7 +96,7 @@ fn positions(test: &RawVirtualTest, length: f64, diagnostics: &mut Diagnostics<'
     for (path, x) in single.map(|(path, x)| (path.to_owned(), x)).into_iter().chain(accelerometers) {
         if x.is_some_and(|x| x > length) {
             let diagnostic =
-                Diagnostic::error(format!("`{path}` lies beyond the structure, which ends at {} m", number(length)));
+                Diagnostic::error(format!("`{path}` is beyond the structure, which ends at {} m", number(length)));
             let diagnostic = super::contact::perhaps_millimetres(diagnostic, x.unwrap_or(0.0), length);
             let label =
                 format!("found {}, expected a number from 0 to {}, in m", diagnostics.written(&path), number(length));
@@ -142,7 +142,7 @@ fn modes(raw: &RawTestScene, damping_ratios: Option<&[f64]>, diagnostics: &mut D
         return None;
     }
     if frequencies.len() != modes {
-        let diagnostic = Diagnostic::error("`virtual_test` has not one damping ratio for each frequency");
+        let diagnostic = Diagnostic::error("`virtual_test` needs one damping ratio for each frequency");
         diagnostics.put(
             path,
             diagnostic,

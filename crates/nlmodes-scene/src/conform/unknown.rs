@@ -108,7 +108,7 @@ pub fn diagnostic(key: &str, path: &str, table: Rule<'_>, guess: &Guess) -> Diag
         Guess::Key(_) => diagnostic,
         Guess::Absent(what) => with_absent(diagnostic, what),
         Guess::Elsewhere(key, other) if other.is_empty() => {
-            diagnostic.help(format!("`{key}` stands at the top of the file, before the first heading in brackets"))
+            diagnostic.help(format!("`{key}` belongs at the top of the file, before the first heading in brackets"))
         }
         Guess::Elsewhere(key, other) => diagnostic.help(format!("`{key}` is a key of {}", heading(other))),
         Guess::Nothing => {

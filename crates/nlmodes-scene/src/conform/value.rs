@@ -79,7 +79,7 @@ fn elsewhere<'c>(text: &str, choices: &[&'c str]) -> Option<&'c str> {
 
 /// A value that is none of those that the schema has.
 pub fn unfit(path: &str) -> Diagnostic {
-    Diagnostic::error(format!("`{path}` is not what it can be"))
+    Diagnostic::error(format!("`{path}` is not a valid choice"))
 }
 
 /// A file under a key in another unit, which converts numbers of the scene alone.

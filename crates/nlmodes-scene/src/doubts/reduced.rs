@@ -27,7 +27,7 @@ fn nearly_rigid(open: &OpenStructure) -> Option<String> {
     let hz: Vec<f64> = open.modes.omega_squared().iter().map(|square| square.sqrt() / TAU).collect();
     let mode = (1..hz.len()).find(|&k| hz[k - 1] > 0.0 && hz[k - 1] < NEXT_TO_ZERO * hz[k])?;
     Some(format!(
-        "mode {mode} has {} Hz and the next one {} Hz: a rigid-body motion stands as 0 in `structure.frequencies_hz`",
+        "mode {mode} has {} Hz and the next one {} Hz: enter a rigid-body motion as 0 in `structure.frequencies_hz`",
         short(hz[mode - 1]),
         short(hz[mode])
     ))

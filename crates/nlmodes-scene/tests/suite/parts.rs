@@ -244,7 +244,7 @@ fn what_is_wrong_with_one_of_several_is_said_at_its_place() {
     let itself = wrong("structure = 1\nat_m = 1.2\nagainst = { structure = 1, at_m = 0.6 }\n");
     assert!(itself.contains("is the structure that touches"), "{itself}");
     let off = wrong("structure = 1\nat_m = 1.2\nagainst = { structure = 2, at_m = 1e-5 }\n");
-    assert!(off.contains("`contact.0.against.at_m` is too near to another node"), "{off}");
+    assert!(off.contains("`contact.0.against.at_m` is too close to another node"), "{off}");
     let held = wrong("structure = 2\nat_m = 1.2\n");
     assert!(held.contains("at the clamped end, which does not move"), "{held}");
     let second = facing(PAIR).replacen("section = { area_m2 = 1e-4 }", "section = { width_m = 1e-4 }", 2);

@@ -102,7 +102,7 @@ fn both_at_once_wrong_kinds_and_wrong_values_are_refused_in_the_words_of_the_fil
     let foreign = refused("gap_mm = 1.03", "gap_kg = 1.03");
     assert!(foreign.contains("unknown key `contact.0.gap_kg`"), "{foreign}");
     let beyond = refused("at_mm = 170", "at_mm = 1700");
-    assert!(beyond.contains("`contact.0.at_mm` lies beyond the structure"), "{beyond}");
+    assert!(beyond.contains("`contact.0.at_mm` is beyond the structure"), "{beyond}");
     let text = refused("gap_mm = 1.03", "gap_mm = \"1.03 mm\"");
     assert!(text.contains("write 1.03;"), "{text}");
 }

@@ -92,7 +92,7 @@ fn bad_numbers_are_refused_at_their_keys() -> Outcome {
             "the structure floats, with mode 1 at 0 Hz",
         ),
         (frequencies, "frequencies_hz = [40.0, 10.0, 90.0]", "frequencies_hz", "mode 2 has 10 Hz behind 40 Hz"),
-        (frequencies, "frequencies_hz = [-1.0, 40.0, 90.0]", "frequencies_hz", "is not what it can be"),
+        (frequencies, "frequencies_hz = [-1.0, 40.0, 90.0]", "frequencies_hz", "is not a valid choice"),
         (frequencies, "frequencies_hz = [0.0, 0.0, 0.0]", "frequencies_hz", "rigid-body motions"),
         ("row = 1", "row = 3", "row", "`contact.0.row` is 3, but `structure.contact_rows` has 2 rows"),
         ("row = 1", "", "row", "`contact.0.row` is missing"),
@@ -113,32 +113,32 @@ fn bad_numbers_are_refused_at_their_keys() -> Outcome {
             "[[contact]]",
             "[reduction]\nkind = \"held-modes\"\n[[contact]]",
             "kind",
-            "`reduction.kind` is not of a structure that was reduced elsewhere",
+            "`reduction.kind` is not possible for a structure that was reduced elsewhere",
         ),
         (
             "[[contact]]",
             "[gravity]\ndirection = [0, 0, 1]\n[[contact]]",
             "gravity",
-            "`gravity` is not of a structure that was reduced elsewhere",
+            "`gravity` is not possible for a structure that was reduced elsewhere",
         ),
         (
             "[[contact]]",
             "[thermal]\nexpansion_1_k = 1e-5\ntemperature_k = 10.0\n[[contact]]",
             "thermal",
-            "`thermal` is not of a structure that was reduced elsewhere",
+            "`thermal` is not possible for a structure that was reduced elsewhere",
         ),
         (
             "[[contact]]",
             "[base_motion]\nacceleration_m_s2 = 1.0\n[[contact]]",
             "base_motion",
-            "the base of a structure that was reduced elsewhere cannot shake",
+            "the base of a structure that was reduced elsewhere cannot move",
         ),
         ("[[contact]]", "[[static_force]]\nrow = 3\nforce_n = 1.0\n[[contact]]", "static_force", "there is no row 3"),
         (
             "[[contact]]",
             "[[force]]\nnode = 3\ndirection = [1, 0, 0]\n[[contact]]",
             "node",
-            "`force.0.node` is not of a structure that was reduced elsewhere",
+            "`force.0.node` is not possible for a structure that was reduced elsewhere",
         ),
         (
             "[[contact]]",
@@ -169,7 +169,10 @@ fn what_needs_the_mass_of_contact_nodes_is_refused() -> Outcome {
     let held = SOUND.to_owned() + &MODE.replace("harmonics = 3", "harmonics = 3\nmass_redistribution = \"drop\"");
     fs::write(folder.path().join("scene.toml"), held)?;
     let text = said(&call(&folder, &["check", "scene.toml"])?);
-    assert!(text.contains("`method.mass_redistribution` is not of a structure that was reduced elsewhere"), "{text}");
+    assert!(
+        text.contains("`method.mass_redistribution` is not possible for a structure that was reduced elsewhere"),
+        "{text}"
+    );
     let beam = "[structure]\nkind = \"rod\"\nlength_m = 1.0\nelements = 4\nstart = \"clamped\"\n\
         material = { youngs_modulus_pa = 1.0, density_kg_m3 = 1.0 }\nsection = { area_m2 = 1.0 }\n\
         [[contact]]\nat_m = 1.0\ndirection = \"axial\"\nside = \"positive\"\ngap_m = 0.1\n\

@@ -59,7 +59,7 @@ pub fn check(raw: &RawAnalysis, is_open: bool, contacts: &[Contact], diagnostics
         diagnostics.put(path, diagnostic.help(help), "expected a scene in free-interface modes");
     }
     if raw.base_motion.as_ref().is_some_and(|base| base.stop == Some(StopOfBase::Fixed)) {
-        let diagnostic = Diagnostic::error("a stop with a law of force that stands still while the base shakes");
+        let diagnostic = Diagnostic::error("a stop with a law of force that is fixed while the base moves");
         let help = "`stop = \"moves\"` is a stop that the base carries; linear ones (`stiffness_n_m`) may stand still";
         diagnostics.put("base_motion.stop", diagnostic.help(help), "expected \"moves\"");
     }

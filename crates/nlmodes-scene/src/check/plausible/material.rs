@@ -17,7 +17,7 @@ pub fn warn(structure: &Structure, diagnostics: &mut Diagnostics<'_>) {
 }
 
 fn exchanged(modulus: f64, density: f64, diagnostics: &mut Diagnostics<'_>) {
-    let diagnostic = Diagnostic::warning("Young's modulus and density look exchanged").help(format!(
+    let diagnostic = Diagnostic::warning("Young's modulus and density look swapped").help(format!(
         "write youngs_modulus_pa = {}, density_kg_m3 = {}",
         number(density),
         number(modulus)

@@ -26,7 +26,7 @@ pub fn pressed(path: &str, gap: f64, diagnostics: &mut Diagnostics<'_>) {
         return;
     }
     let title = format!("`{path}` is negative: at rest the structure is pressed against this stop");
-    let label = format!("the stop stands {} m beyond where it would just touch", number(-gap));
+    let label = format!("the stop is {} m beyond where it would just touch", number(-gap));
     let help = "so it is computed, with the force of rest in the mean; a clearance is positive on either side";
     diagnostics.put(path, Diagnostic::warning(title).help(help), label);
 }
@@ -43,7 +43,7 @@ pub fn stiffness(i: usize, contact: &Contact, structure: &Structure, diagnostics
     }
     let own_path = format!("contact.{i}.stiffness_n_m");
     let path = if diagnostics.has(&own_path) { own_path } else { "method.contact_stiffness_n_m".into() };
-    let diagnostic = Diagnostic::warning(format!("`{path}` is so soft that the stop is hardly felt"));
+    let diagnostic = Diagnostic::warning(format!("`{path}` is so soft that the stop hardly matters"));
     let label = format!("{} N/m; the structure has some {} N/m", number(stiffness), significant(own, 2));
     diagnostics.put(&path, diagnostic.help(meant(stiffness, "N/mm", 1e3)), label);
 }

@@ -28,7 +28,7 @@ pub fn warn(scene: &TestScene, diagnostics: &mut Diagnostics<'_>) {
 pub fn damping(path: &str, ratios: &[f64], diagnostics: &mut Diagnostics<'_>) {
     let Some((i, ratio)) = ratios.iter().enumerate().find(|(_, ratio)| **ratio >= DAMPED) else { return };
     let diagnostic = Diagnostic::warning(format!("`{path}` has {} % of critical damping", number(100.0 * ratio)));
-    let diagnostic = diagnostic.help(meant(*ratio, "%", 1e-2)).help("a damping ratio is a fraction: 0.01 is 1 %");
+    let diagnostic = diagnostic.help(meant(*ratio, "%", 1e-2)).help("a damping ratio is a fraction: 0.01 means 1 %");
     diagnostics.put(&format!("{path}.{i}"), diagnostic, format!("a damping ratio of {}", number(*ratio)));
 }
 

@@ -74,12 +74,12 @@ fn force(i: usize, raw: &RawForce, places: &Places<'_>, diagnostics: &mut Diagno
 pub fn base_motion(raw: &RawAnalysis, places: &Places<'_>, diagnostics: &mut Diagnostics<'_>) -> Option<BaseMotion> {
     let base = raw.base_motion.as_ref()?;
     if raw.force.as_ref().is_some_and(|forces| !forces.is_empty()) {
-        let diagnostic = Diagnostic::error("the scene has forces and a base that shakes");
+        let diagnostic = Diagnostic::error("the scene has both forces and base motion");
         diagnostics.put("base_motion", diagnostic, "expected either this table or [[force]]");
         return None;
     }
     if matches!(places, Places::Rows) {
-        let diagnostic = Diagnostic::error("the base of a structure that was reduced elsewhere cannot shake");
+        let diagnostic = Diagnostic::error("the base of a structure that was reduced elsewhere cannot move");
         let help = "its mass is not known, and with it what a moving base pushes";
         diagnostics.put("base_motion", diagnostic.help(help), "expected [[force]] at rows");
         return None;

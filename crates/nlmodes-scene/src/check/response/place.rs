@@ -140,7 +140,7 @@ fn moves(
     let length = mesh.length();
     let node = node_at(mesh, at);
     if node.is_none() && at > length {
-        let title = format!("`{path}` lies beyond the structure, which ends at {} m", number(length));
+        let title = format!("`{path}` is beyond the structure, which ends at {} m", number(length));
         let diagnostic = perhaps_millimetres(Diagnostic::error(title), at, length);
         diagnostics.put(path, diagnostic, format!("expected a position from 0 to {} m", number(length)));
         return false;
@@ -188,7 +188,8 @@ fn of_row(keys: &[String; 5], written: &RawPlace, diagnostics: &mut Diagnostics<
     ];
     let short = row.rsplit('.').next().unwrap_or(row);
     if let Some((key, _)) = others.into_iter().find(|(_, there)| *there) {
-        let diagnostic = Diagnostic::error(format!("`{key}` is not of a structure that was reduced elsewhere"));
+        let diagnostic =
+            Diagnostic::error(format!("`{key}` is not possible for a structure that was reduced elsewhere"));
         let diagnostic = diagnostic.help("its places are the rows of `structure.contact_rows`, each in its direction");
         diagnostics.put(key, diagnostic, format!("expected `{short}`, the number of a row from 1"));
         return None;
