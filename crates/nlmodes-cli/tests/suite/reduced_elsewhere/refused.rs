@@ -97,12 +97,7 @@ fn bad_numbers_are_refused_at_their_keys() -> Outcome {
         ("row = 1", "row = 3", "row", "`contact.0.row` is 3, but `structure.contact_rows` has 2 rows"),
         ("row = 1", "", "row", "`contact.0.row` is missing"),
         ("row = 1", "node = 1", "node", "unknown key `contact.0.node`"),
-        (
-            "[[contact]]",
-            "[[contact]]\nrow = 1\ngap_m = 2.0\n[[contact]]",
-            "row",
-            "stands before the same side of row 1",
-        ),
+        ("[[contact]]", "[[contact]]\nrow = 1\ngap_m = 2.0\n[[contact]]", "row", "is on the same side of row 1"),
         (
             "[[contact]]",
             "[reduction]\nmodes = 4\n[[contact]]",
