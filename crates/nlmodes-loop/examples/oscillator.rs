@@ -6,8 +6,8 @@
 use std::f64::consts::TAU;
 
 use nlmodes_loop::{
-    AmplitudeSettings, Controlled, EmergencyReason, LevelSchedule, Limits, LockSettings, LoopSettings, PhaseLoopError,
-    Resonance, Stage, SteadyCriteria, TestControl, TestInput, TestSettings,
+    AmplitudeSettings, EmergencyReason, LevelSchedule, Limits, LockSettings, LoopSettings, PhaseLoopError, Resonance,
+    Stage, SteadyCriteria, TestControl, TestInput, TestSettings,
 };
 
 const RATE: f64 = 10_000.0; // Hz
@@ -104,8 +104,7 @@ fn main() -> Result<(), PhaseLoopError> {
     // Levels are forces; the stop is touched from the third on.
     assert_eq!(run("force", &settings)?, (Stage::Finished, EmergencyReason::None));
     // Levels are displacements: stepped response.
-    let rate = 0.25 * resonance.decay_rate();
-    settings.amplitude = AmplitudeSettings { controlled: Controlled::Response, rate, smallest: 0.05 };
+    settings.amplitude = AmplitudeSettings::response(&settings.phase, 0.05);
     settings.schedule = levels(&[0.6e-3, 1.02e-3])?;
     settings.limits.drive = 4.0;
     assert_eq!(run("response", &settings)?, (Stage::Finished, EmergencyReason::None));

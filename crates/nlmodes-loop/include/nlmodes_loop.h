@@ -171,6 +171,8 @@ typedef struct {
   double lock_duration_s;
   // Rate of the control of an amplitude, 1/s.
   double amplitude_rate_1_s;
+  // Proportional gain of the control of an amplitude: of a response the rate over the decay rate, of a force zero.
+  double amplitude_gain;
   // Drive from which a controlled amplitude grows, N or V.
   double smallest_drive;
   // Levels, in the unit of what they are amplitudes of.
@@ -197,7 +199,11 @@ typedef struct {
   double settled_amplitude_drift_1_s;
   // Largest relative deviation of a controlled amplitude.
   double settled_amplitude;
-  // Standard errors of the noise that are let through beyond these four.
+  // Largest relative difference between single periods.
+  double settled_spread;
+  // Largest deviation of a controlled harmonic of the force over its fundamental.
+  double settled_harmonics;
+  // Standard errors of the noise that are let through beyond the first five.
   double settled_confidence;
   // Longest time at a level before it is recorded as it is, s.
   double longest_hold_s;
@@ -295,18 +301,21 @@ typedef struct {
 // Control of an amplitude by that of the drive.
 //
 // ```text
-// u̇ = κ max(u, u_0) (1 − |Y_1| / A*) ,   −1 ≤ 1 − |Y_1| / A* ≤ 1
+// u̇ = max(u, u_0) (κ e + K ė) ,   e = 1 − |Y_1| / A* ,   −1 ≤ e ≤ 1
 // ```
 //
-// Near the level `A*` the drive follows at the rate `κ`, whatever the gain of the exciter; from zero it begins at the
-// rate `κ u_0`. A resonance of decay rate `δ` answers through `δ / (s + δ)`, so that `κ = δ/4` has a double pole and
-// no overshoot; a larger one overshoots. Where the amplitude hardly depends on the drive, as against a hard stop, the
-// level is reached as much more slowly, with `κ d ln|Y_1| / d ln u`.
+// Near the level `A*` the logarithm of the drive is under a proportional and an integral control, whatever the gain of
+// the exciter; from zero, and wherever `e` is at its limit, the drive grows at the rate `κ`. A resonance of decay rate
+// `δ` answers through `δ / (s + δ)`: with `K = κ/δ` the pole is cancelled, and the level is reached at the rate `κ`
+// without overshoot. Against a stop the amplitude hardly depends on the drive, `ε = d ln|Y_1| / d ln u ≪ 1`, and the
+// rest of a deviation decays at the rate `κ ε` only.
 typedef struct {
   // What is controlled.
   nlmodes_Controlled controlled;
   // Rate `κ`, 1/s.
   double rate;
+  // Proportional gain `K`.
+  double gain;
   // Drive `u_0` from which the amplitude grows, N or V.
   double smallest;
 } nlmodes_AmplitudeSettings;
@@ -318,6 +327,9 @@ typedef struct {
 // |ȳ| ≤ tolerance + c s / √n                                 for the lag error and the controlled amplitude
 // |b| ≤ tolerance + c s / √(Σ t_k²)                          for the drifts of frequency and response
 // ```
+//
+// Single periods of a window must not differ by more than their own tolerance and `c` times what white noise of the
+// sensors makes of them, and the means of controlled harmonics must have reached what is wanted.
 //
 // So a noisy sensor delays no level for ever, and a quiet one is held to the tolerances. What is not seen: a drift
 // below `c` standard errors of its slope. The windows are taken to be independent; the control makes those of lag and
@@ -335,7 +347,11 @@ typedef struct {
   double amplitude_drift;
   // Largest relative deviation of a controlled amplitude from its level.
   double amplitude;
-  // Standard errors `c` that are let through beyond each tolerance.
+  // Largest root mean square difference of single periods from their mean, relative.
+  double spread;
+  // Largest deviation of a controlled harmonic of the force, relative to its fundamental.
+  double harmonics;
+  // Standard errors `c` that are let through beyond the first five tolerances.
   double confidence;
   // Longest time, s: after it the level is recorded as it is, and counts as not settled.
   double longest;
@@ -349,7 +365,8 @@ typedef struct {
   size_t count;
   // Time from one level to the next, and to zero after the last, s.
   double ramp;
-  // Time at the first level with frozen frequency, s, until response and detector have settled.
+  // Time at the first level with frozen frequency, s, until response and detector have settled; zero: the frequency
+  // is not frozen on the way there either.
   double start;
   // When a level is steady.
   nlmodes_SteadyCriteria settling;
@@ -526,14 +543,49 @@ typedef struct {
   double omega;
   double response;
   double deviation;
+  // Of the periods of a window, and what noise would give.
+  double spread;
+  double spread_noise;
+  // Of the controlled harmonics, over a window.
+  double harmonic_error;
 } nlmodes_Means;
+
+// Fundamentals of force and response over each single period, and how far they lie apart.
+//
+// ```text
+// Z_p = ∫_p y e^{−iθ} dθ                                  over the period p, by the trapezoidal rule between samples
+// spread² = Σ_p |Z_p − Z̄|² / (P |Z̄|²)                    the larger one of force and response
+// noise² = 4 σ² / (N |Z̄/π|²) ,  σ² = Σ (Δ⁴y)² / 70 N              what white noise adds to it, N samples a period
+// ```
+//
+// Motions of several periods and those of two frequencies are seen, for neither repeats itself after one period. The
+// noise is that of the quietest quarter of the period, without the impacts.
+typedef struct {
+  // Integrals over the period that is under way.
+  nlmodes_complex now[2];
+  // Whether no sample of it is missing.
+  bool whole;
+  // Phase of the last sample, and the signals there times `e^{−iθ}`.
+  double theta;
+  nlmodes_complex last[2];
+  // Sums over the periods.
+  nlmodes_complex sum[2];
+  double squares[2];
+  uint64_t count;
+  // The last samples, and sums of squared fourth differences over each quarter of the period.
+  double before[4][2];
+  double bends[4][2];
+  uint64_t in_quarter[4];
+} nlmodes_Periods;
 
 // The last windows of a level, and the one that is being filled.
 typedef struct {
   nlmodes_Means sum;
+  nlmodes_complex missing[nlmodes_MAX_HARMONICS];
   uint64_t samples;
   // Those of them that were measured.
   uint64_t measured;
+  nlmodes_Periods single;
   // Beginnings of periods since the hold began: the first window begins with the first.
   size_t periods;
   nlmodes_Means last[nlmodes_MAX_WINDOWS];
@@ -556,7 +608,17 @@ typedef struct {
   double amplitude_noise;
   // Relative deviation of a controlled amplitude from its level.
   double amplitude_deviation;
-  // Whether all are within tolerance and noise.
+  // Its standard error.
+  double deviation_noise;
+  // Largest root mean square difference of the periods of a window from their mean, relative.
+  double spread;
+  // What white noise of the sensors makes of it.
+  double spread_noise;
+  // Largest mean deviation of a controlled harmonic of the force over the last window, relative to the fundamental.
+  double harmonic_error;
+  // Windows that this is from; none: nothing can be said yet.
+  size_t windows;
+  // Whether there are enough of them, and all is within tolerance and noise.
   bool settled;
 } nlmodes_Drifts;
 
@@ -592,6 +654,8 @@ typedef struct {
   // Phase of the sample before, for the beginnings of periods.
   double phase_before;
   bool drive_at_limit;
+  // Error of a controlled amplitude at the last sample.
+  double amplitude_error;
 } nlmodes_loop_state;
 
 // The samples of an instant.

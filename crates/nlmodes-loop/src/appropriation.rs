@@ -239,6 +239,20 @@ impl AppropriationState {
         self.limited.get(n.wrapping_sub(1)).copied().unwrap_or(false)
     }
 
+    /// Whether any would have to be.
+    pub(crate) fn has_limit(&self) -> bool {
+        self.limited.contains(&true)
+    }
+
+    /// What is missing of each controlled harmonic, relative to the fundamental of the force.
+    pub(crate) fn missing(&self) -> [Complex64; MAX_HARMONICS] {
+        let [fundamental, ..] = self.force.amplitudes;
+        let mut missing = [Complex64::ZERO; MAX_HARMONICS];
+        let both = self.wanted().iter().zip(self.force());
+        missing.iter_mut().zip(both).skip(1).for_each(|(mine, (wanted, found))| *mine = wanted - found);
+        missing.map(|z| if z == Complex64::ZERO { z } else { z / norm(fundamental) })
+    }
+
     /// The same state with the drive fixed at `drive` in the harmonics 1, 2 …, as for measuring the transfer function
     /// of the force.
     #[must_use]

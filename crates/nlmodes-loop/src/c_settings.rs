@@ -50,6 +50,8 @@ pub struct CSettings {
     pub lock_duration_s: f64,
     /// Rate of the control of an amplitude, 1/s.
     pub amplitude_rate_1_s: f64,
+    /// Proportional gain of the control of an amplitude: of a response the rate over the decay rate, of a force zero.
+    pub amplitude_gain: f64,
     /// Drive from which a controlled amplitude grows, N or V.
     pub smallest_drive: f64,
     /// Levels, in the unit of what they are amplitudes of.
@@ -76,7 +78,11 @@ pub struct CSettings {
     pub settled_amplitude_drift_1_s: f64,
     /// Largest relative deviation of a controlled amplitude.
     pub settled_amplitude: f64,
-    /// Standard errors of the noise that are let through beyond these four.
+    /// Largest relative difference between single periods.
+    pub settled_spread: f64,
+    /// Largest deviation of a controlled harmonic of the force over its fundamental.
+    pub settled_harmonics: f64,
+    /// Standard errors of the noise that are let through beyond the first five.
     pub settled_confidence: f64,
     /// Longest time at a level before it is recorded as it is, s.
     pub longest_hold_s: f64,
@@ -118,6 +124,7 @@ impl CSettings {
     /// The defaults of the library.
     pub(crate) fn new(resonance: Resonance, start: f64, step: f64) -> Self {
         let (phase, limits) = (LoopSettings::new(resonance, start, step), Limits::default());
+        let response = AmplitudeSettings::response(&phase, 0.0);
         let (settling, lock) = (SteadyCriteria::default(), phase.lock);
         Self {
             step_s: step,
@@ -138,7 +145,8 @@ impl CSettings {
             smallest_response: phase.smallest[1],
             lock_tolerance_rad: lock.tolerance,
             lock_duration_s: lock.duration,
-            amplitude_rate_1_s: 0.25 * resonance.decay_rate(),
+            amplitude_rate_1_s: response.rate,
+            amplitude_gain: response.gain,
             smallest_drive: 0.0,
             levels: [0.0; MAX_LEVELS],
             level_count: 0,
@@ -152,6 +160,8 @@ impl CSettings {
             settled_frequency_drift_1_s: settling.frequency_drift,
             settled_amplitude_drift_1_s: settling.amplitude_drift,
             settled_amplitude: settling.amplitude,
+            settled_spread: settling.spread,
+            settled_harmonics: settling.harmonics,
             settled_confidence: settling.confidence,
             longest_hold_s: settling.longest,
             largest_drive: limits.drive,
@@ -217,7 +227,8 @@ impl CSettings {
             2 => Controlled::Response,
             code => return Err(PhaseLoopError::Code { what: "controlled", code, most: 2 }),
         };
-        Ok(AmplitudeSettings { controlled, rate: self.amplitude_rate_1_s, smallest: self.smallest_drive })
+        let (rate, gain, smallest) = (self.amplitude_rate_1_s, self.amplitude_gain, self.smallest_drive);
+        Ok(AmplitudeSettings { controlled, rate, gain, smallest })
     }
 
     fn settling(&self) -> SteadyCriteria {
@@ -228,6 +239,8 @@ impl CSettings {
             frequency_drift: self.settled_frequency_drift_1_s,
             amplitude_drift: self.settled_amplitude_drift_1_s,
             amplitude: self.settled_amplitude,
+            spread: self.settled_spread,
+            harmonics: self.settled_harmonics,
             confidence: self.settled_confidence,
             longest: self.longest_hold_s,
         }

@@ -7,7 +7,7 @@ use crate::low_pass::SampledLowPass;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct DemodulationState {
     pub(crate) amplitude: Complex64,
-    filter: [Complex64; 2],
+    pub(crate) filter: [Complex64; 2],
 }
 
 impl DemodulationState {

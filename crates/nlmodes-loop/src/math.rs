@@ -30,3 +30,8 @@ pub(crate) fn rem_tau(angle: f64) -> f64 {
 pub(crate) fn between(value: f64, low: f64, high: f64) -> f64 {
     value.max(low).min(high)
 }
+
+/// The larger one; not a number if one of them is not.
+pub(crate) fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b <= a { a } else { b }
+}

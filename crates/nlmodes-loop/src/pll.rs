@@ -96,6 +96,14 @@ impl PreparedLoop {
         })
     }
 
+    pub(crate) fn start_frequency(&self) -> f64 {
+        self.start
+    }
+
+    pub(crate) fn detector(&self) -> PreparedDetector {
+        self.detector
+    }
+
     pub(crate) fn start(&self) -> LoopState {
         LoopState {
             theta: 0.0,

@@ -1,6 +1,6 @@
 use crate::PhaseLoopError;
 use crate::error::{not_negative, positive};
-use crate::steady::{Drifts, Means, SteadyCriteria, Windows};
+use crate::steady::{Drifts, Sample, SteadyCriteria, Windows};
 
 /// Most levels of a schedule.
 pub const MAX_LEVELS: usize = 64;
@@ -15,7 +15,8 @@ pub struct LevelSchedule {
     pub count: usize,
     /// Time from one level to the next, and to zero after the last, s.
     pub ramp: f64,
-    /// Time at the first level with frozen frequency, s, until response and detector have settled.
+    /// Time at the first level with frozen frequency, s, until response and detector have settled; zero: the frequency
+    /// is not frozen on the way there either.
     pub start: f64,
     /// When a level is steady.
     pub settling: SteadyCriteria,
@@ -126,15 +127,25 @@ impl ScheduleState {
             amplitude_drift: 0.0,
             amplitude_noise: 0.0,
             amplitude_deviation: 0.0,
+            deviation_noise: 0.0,
+            spread: 0.0,
+            spread_noise: 0.0,
+            harmonic_error: 0.0,
+            windows: 0,
             settled: false,
         },
         settled: false,
     };
 
+    /// The beginning of a schedule at the level that is wanted now.
+    pub(crate) fn again(&self) -> Self {
+        Self { from: self.wanted, wanted: self.wanted, ..Self::START }
+    }
+
     /// Whether the frequency is frozen.
-    pub(crate) fn freezes(&self) -> bool {
+    pub(crate) fn freezes(&self, plan: &LevelSchedule) -> bool {
         match self.stage {
-            Stage::Ramp => self.level == 0,
+            Stage::Ramp => self.level == 0 && plan.start > 0.0,
             Stage::Settle | Stage::Record => false,
             _ => true,
         }
@@ -144,16 +155,9 @@ impl ScheduleState {
         (self.stage, self.samples, self.from) = (stage, 0, self.wanted);
     }
 
-    /// One sample further: `sample` is what the loop has just measured, if anything, `wrapped` where a period begins with it;
-    /// `impeded` where drive or frequency are at a limit, with which no level counts as settled.
-    pub(crate) fn step(
-        &mut self,
-        plan: &LevelSchedule,
-        sample: Option<Means>,
-        wrapped: bool,
-        impeded: bool,
-        step: f64,
-    ) {
+    /// One sample further; `wrapped` where a period begins with it; `impeded` where something is at a limit, with which
+    /// no level counts as settled.
+    pub(crate) fn step(&mut self, plan: &LevelSchedule, sample: &Sample, wrapped: bool, impeded: bool, step: f64) {
         self.samples = self.samples.saturating_add(1);
         match self.stage {
             Stage::Ramp => {
@@ -224,10 +228,18 @@ pub(crate) fn samples(duration: f64, step: f64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::MAX_HARMONICS;
+    use crate::steady::Means;
+    use num_complex::Complex64;
+    use std::f64::consts::PI;
+
+    fn steady(theta: f64) -> Sample {
+        let means = Some(Means { omega: 250.0, response: 1.0, ..Means::ZERO });
+        Sample { theta, signals: [theta.cos(), theta.sin()], means, missing: [Complex64::ZERO; MAX_HARMONICS] }
+    }
 
     /// Stages and their lengths in samples, for a steady motion of ten samples a period.
     fn course(plan: &LevelSchedule, impeded: bool) -> Vec<(Stage, usize, u64)> {
-        let steady = Some(Means { lag_error: 0.0, omega: 250.0, response: 1.0, deviation: 0.0 });
         let (mut state, mut stages) = (ScheduleState::START, Vec::<(Stage, usize, u64)>::new());
         for k in 0..100_000_u32 {
             let (stage, level) = (state.stage, state.level);
@@ -235,7 +247,8 @@ mod tests {
                 Some(last) if (last.0, last.1) == (stage, level) => last.2 += 1,
                 _ => stages.push((stage, level, 1)),
             }
-            state.step(plan, steady, k.is_multiple_of(10), impeded, 1e-3);
+            let theta = 0.2 * PI * f64::from(k % 10);
+            state.step(plan, &steady(theta), k.is_multiple_of(10), impeded, 1e-3);
         }
         stages
     }
@@ -272,9 +285,8 @@ mod tests {
     fn a_ramp_is_a_line_from_the_level_before_and_ends_at_the_next() {
         let plan = LevelSchedule { ramp: 0.01, ..LevelSchedule::new(&[1.0, 4.0]).unwrap() };
         let mut state = ScheduleState { level: 1, wanted: 1.0, from: 1.0, ..ScheduleState::START };
-        let steady = Some(Means { lag_error: 0.0, omega: 250.0, response: 1.0, deviation: 0.0 });
         for k in 1..=10 {
-            state.step(&plan, steady, false, false, 1e-3);
+            state.step(&plan, &steady(0.0), false, false, 1e-3);
             assert!((state.wanted - (1.0 + 0.3 * f64::from(k))).abs() < 1e-14);
         }
         assert_eq!((state.stage, state.wanted), (Stage::Settle, 4.0));

@@ -6,7 +6,7 @@ use crate::limits::fade;
 use crate::math::{between, cis, norm};
 use crate::pll::PreparedLoop;
 use crate::schedule::{ScheduleState, samples};
-use crate::steady::Means;
+use crate::steady::{Means, Sample};
 use crate::{
     AmplitudeSettings, Controlled, Drifts, EmergencyReason, ForceAppropriation, LevelSchedule, Limits, LoopSettings,
     LoopState, MAX_HARMONICS, MAX_SENSORS, PhaseLoopError, Stage,
@@ -27,6 +27,13 @@ pub struct TestSettings {
     pub harmonics: Option<ForceAppropriation>,
 }
 
+impl TestSettings {
+    /// These levels of the drive, without limits, with the fundamental of the force alone under control.
+    pub fn new(phase: LoopSettings, schedule: LevelSchedule) -> Self {
+        Self { phase, amplitude: AmplitudeSettings::drive(), schedule, limits: Limits::default(), harmonics: None }
+    }
+}
+
 /// A test under control: phase, amplitude, higher harmonics, levels and limits, with checked settings.
 ///
 /// Within a sampling interval the drive is `Re Σ U_n e^{inθ}` with amplitudes that change linearly. For a converter
@@ -34,8 +41,8 @@ pub struct TestSettings {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TestControl {
-    phase: PreparedLoop,
-    amplitude: AmplitudeSettings,
+    pub(crate) phase: PreparedLoop,
+    pub(crate) amplitude: AmplitudeSettings,
     schedule: LevelSchedule,
     limits: Limits,
     harmonics: ForceAppropriation,
@@ -111,11 +118,11 @@ pub struct TestOutput {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TestState {
-    phase: LoopState,
+    pub(crate) phase: LoopState,
     harmonics: AppropriationState,
-    schedule: ScheduleState,
+    pub(crate) schedule: ScheduleState,
     /// Amplitudes of the drive at the last sample.
-    amplitudes: [Complex64; MAX_HARMONICS],
+    pub(crate) amplitudes: [Complex64; MAX_HARMONICS],
     /// Amplitudes when an emergency began.
     stopped_from: [Complex64; MAX_HARMONICS],
     stop_reason: EmergencyReason,
@@ -124,6 +131,8 @@ pub struct TestState {
     /// Phase of the sample before, for the beginnings of periods.
     phase_before: f64,
     drive_at_limit: bool,
+    /// Error of a controlled amplitude at the last sample.
+    pub(crate) amplitude_error: f64,
 }
 
 impl TestControl {
@@ -133,22 +142,34 @@ impl TestControl {
     /// [`PhaseLoopError`] for settings that cannot work.
     pub fn new(settings: &TestSettings) -> Result<Self, PhaseLoopError> {
         settings.amplitude.check()?;
-        settings.schedule.check()?;
         settings.limits.check()?;
-        if settings.amplitude.controlled == Controlled::Drive {
-            let limit = settings.limits.drive;
-            if let Some(level) = settings.schedule.levels().find(|level| *level > limit) {
-                return Err(PhaseLoopError::AboveLimit { level, limit });
-            }
-        }
-        Ok(Self {
+        let control = Self {
             phase: PreparedLoop::new(&settings.phase)?,
             amplitude: settings.amplitude,
             schedule: settings.schedule,
             limits: settings.limits,
             harmonics: settings.harmonics.unwrap_or(ForceAppropriation::NONE),
             controls_harmonics: settings.harmonics.is_some(),
-        })
+        };
+        control.with_schedule(settings.schedule)
+    }
+
+    /// The same with other levels. A state goes on with them from its present level, and with its loop as it is, after
+    /// [`TestState::begin_levels`].
+    ///
+    /// # Errors
+    /// [`PhaseLoopError`] for levels that cannot be.
+    pub fn with_schedule(&self, schedule: LevelSchedule) -> Result<Self, PhaseLoopError> {
+        schedule.check()?;
+        let limit = self.limits.drive;
+        let too_high = |level: &f64| self.amplitude.controlled == Controlled::Drive && *level > limit;
+        schedule.levels().find(too_high).map_or(Ok(()), |level| Err(PhaseLoopError::AboveLimit { level, limit }))?;
+        Ok(Self { schedule, ..*self })
+    }
+
+    /// Lag of the measured response that the loop works for, rad.
+    pub fn target_lag(&self) -> f64 {
+        self.phase.target
     }
 
     /// Sampling interval, s.
@@ -168,6 +189,7 @@ impl TestControl {
             silent: 0.0,
             phase_before: 0.0,
             drive_at_limit: false,
+            amplitude_error: 1.0,
         }
     }
 
@@ -175,11 +197,11 @@ impl TestControl {
     pub fn step(&self, state: &mut TestState, input: &TestInput) -> TestOutput {
         let (before, theta) = (state.amplitudes, state.phase.theta);
         self.watch(state, input);
-        state.phase = state.phase.hold_frequency(state.schedule.freezes());
+        state.phase = state.phase.hold_frequency(state.schedule.freezes(&self.schedule));
         let omega = state.phase.omega;
         state.phase = self.phase.step(&state.phase, input.force, input.response);
         if state.stop_reason == EmergencyReason::None {
-            self.follow(state, theta);
+            self.follow(state, input, theta);
             self.drive(state, input, theta, omega);
         } else {
             self.stop(state);
@@ -206,17 +228,20 @@ impl TestControl {
     }
 
     /// The schedule, with what the loop has measured.
-    fn follow(&self, state: &mut TestState, theta: f64) {
+    fn follow(&self, state: &mut TestState, input: &TestInput, theta: f64) {
         let measured = state.phase.fundamentals().map(norm);
         let [_, response] = measured;
-        let sample = state.phase.error().map(|error| Means {
+        let means = state.phase.error().map(|error| Means {
             lag_error: -error,
             omega: state.phase.omega,
             response,
             deviation: self.amplitude.deviation(state.schedule.wanted, measured),
+            ..Means::ZERO
         });
-        let impeded = state.phase.at_limit || state.drive_at_limit;
-        state.schedule.step(&self.schedule, sample, theta < state.phase_before, impeded, self.phase.step);
+        let missing = state.harmonics.missing();
+        let sample = Sample { theta, signals: [input.force, input.response], means, missing };
+        let impeded = state.phase.at_limit || state.drive_at_limit || state.harmonics.has_limit();
+        state.schedule.step(&self.schedule, &sample, theta < state.phase_before, impeded, self.phase.step);
     }
 
     /// Amplitudes of the drive at the next sample.
@@ -232,7 +257,8 @@ impl TestControl {
         }
         let [fundamental, ..] = &mut state.amplitudes;
         let measured = state.phase.fundamentals().map(norm);
-        let wanted = self.amplitude.step(fundamental.re, state.schedule.wanted, measured, self.phase.step);
+        let (before, step) = (&mut state.amplitude_error, self.phase.step);
+        let wanted = self.amplitude.step(fundamental.re, state.schedule.wanted, measured, before, step);
         *fundamental = between(wanted, 0.0, room.max(0.0)).into();
         state.drive_at_limit = fundamental.re < wanted;
     }
@@ -286,6 +312,11 @@ impl TestState {
         &self.amplitudes
     }
 
+    /// Level that is wanted at the next sample.
+    pub fn level(&self) -> f64 {
+        self.schedule.wanted
+    }
+
     /// What the test does.
     pub fn stage(&self) -> Stage {
         self.schedule.stage
@@ -294,5 +325,23 @@ impl TestState {
     /// Why it was ended.
     pub fn stop_reason(&self) -> EmergencyReason {
         self.stop_reason
+    }
+
+    /// The control of the higher harmonics of the force.
+    pub fn harmonics(&self) -> &AppropriationState {
+        &self.harmonics
+    }
+
+    /// Fixes the drive in the harmonics 1, 2 … at these amplitudes, the first of which is of no account: a tone with
+    /// which the answer of the force is measured.
+    pub fn hold_harmonics(&mut self, drive: &[Complex64]) {
+        self.harmonics = self.harmonics.held_at(drive);
+    }
+
+    /// Begins the levels of a control anew, from the present level; a test that was ended remains so.
+    pub fn begin_levels(&mut self) {
+        if self.stop_reason == EmergencyReason::None {
+            self.schedule = self.schedule.again();
+        }
     }
 }

@@ -16,8 +16,8 @@ mod beam;
 
 use std::f64::consts::TAU;
 
-use nlmodes_experiment::phase_loop::{LoopSettings, Resonance};
-use nlmodes_rig::{ContactLaw, Exciter, RigError, Schedule, Shaker, Stop, VirtualTest};
+use nlmodes_experiment::phase_loop::{LevelSchedule, LoopSettings, Resonance, TestSettings};
+use nlmodes_rig::{ContactLaw, ControlChannels, Exciter, RigError, Shaker, Stop, VirtualTest};
 
 fn main() -> Result<(), RigError> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -46,16 +46,18 @@ fn main() -> Result<(), RigError> {
     if levels.is_empty() {
         levels = vec![0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0];
     }
+    if !has("up") {
+        levels.extend(levels.clone().into_iter().rev().skip(1));
+    }
     let resonance = Resonance { omega: TAU * beam::FREQUENCIES_HZ[0], damping_ratio: beam::DAMPING_RATIOS[0] };
+    let phase = LoopSettings {
+        cut_off: value("cut", 0.1) * resonance.omega,
+        ..LoopSettings::new(resonance, TAU * 40.0, beam::INTERVAL)
+    };
     let test = VirtualTest {
-        settings: LoopSettings {
-            cut_off: value("cut", 0.1) * resonance.omega,
-            ..LoopSettings::new(resonance, TAU * 40.0, beam::INTERVAL)
-        },
+        control: TestSettings::new(phase, LevelSchedule::new(&levels)?),
+        channels: ControlChannels::new(beam::FORCE, beam::DRIVE_DISPLACEMENT),
         harmonics: None,
-        schedule: if has("up") { Schedule::new(levels) } else { Schedule::up_and_down(levels) },
-        force: beam::FORCE,
-        response: beam::DRIVE_DISPLACEMENT,
         rig,
     };
     println!("level hold/s f/Hz lag/deg F1/N q/mkg delta pbmif(100) v2/v1 x_tip/mm peak contact/N findings");
@@ -66,7 +68,7 @@ fn main() -> Result<(), RigError> {
         println!(
             "{:.3} {:5.1} {:.5} {:.4} {:.4} {:.4e} {:.4e} {:.4} {:.2e} {:.4} {:7.1} {}",
             outcome.level,
-            outcome.settling.duration,
+            outcome.settling,
             outcome.steady.omega / TAU,
             f.lag.to_degrees(),
             outcome.steady.force,

@@ -18,9 +18,11 @@ mod beam;
 use std::error::Error;
 use std::f64::consts::TAU;
 
-use nlmodes_experiment::phase_loop::{LoopSettings, Resonance};
+use nlmodes_experiment::phase_loop::{LevelSchedule, LoopSettings, Resonance, TestSettings};
 use nlmodes_linalg::{DenseLu, Mat, eigenvalues};
-use nlmodes_rig::{Drive, Exciter, MotionQuantity, RigSetup, Sensor, SensorPlace, Session, VirtualRig};
+use nlmodes_rig::{
+    ControlChannels, Drive, Exciter, MotionQuantity, RigSetup, Sensor, SensorPlace, Session, VirtualRig,
+};
 use num_complex::Complex64;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
@@ -151,19 +153,18 @@ fn locked(force: f64, seconds: f64) -> Outcome<(Vec<f64>, f64)> {
     let resonance = Resonance { omega: scale(), damping_ratio: beam::DAMPING_RATIOS[0] };
     let settings =
         LoopSettings { cut_off: 0.1 * resonance.omega, ..LoopSettings::new(resonance, TAU * 40.0, beam::INTERVAL) };
-    let mut session = Session::new(setup(), settings, beam::FORCE, beam::DRIVE_DISPLACEMENT)?;
-    session.hold_frequency(true);
-    session.ramp(4.0, 1.0)?;
-    session.hold_frequency(false);
-    session.run(3.0)?;
-    session.ramp(force, 2.0)?;
+    let control = TestSettings::new(settings, LevelSchedule::new(&[4.0])?);
+    let channels = ControlChannels::new(beam::FORCE, beam::DRIVE_DISPLACEMENT);
+    let mut session = Session::new(setup(), &control, channels)?;
+    session.run(5.0)?;
+    session.go(force, 2.0)?;
     session.run(seconds)?;
-    let mut before = session.state().drive_phase();
+    let mut before = session.state().phase().drive_phase();
     loop {
-        session.run(beam::INTERVAL)?;
-        let phase = session.state().drive_phase();
+        session.step()?;
+        let phase = session.state().phase().drive_phase();
         if phase < before {
-            return Ok((state(session.rig())?, session.state().omega()));
+            return Ok((state(session.rig())?, session.state().phase().omega()));
         }
         before = phase;
     }

@@ -1,4 +1,4 @@
-use nlmodes_experiment::phase_loop::PhaseLoopError;
+use nlmodes_experiment::phase_loop::{EmergencyReason, PhaseLoopError};
 use nlmodes_linalg::LinalgError;
 use nlmodes_model::ModelError;
 use nlmodes_reduction::ReductionError;
@@ -127,6 +127,26 @@ pub enum RigError {
     /// The loop is rejected.
     #[error(transparent)]
     Loop(#[from] PhaseLoopError),
+    /// A filter behind a sensor that reads derivatives of the drive.
+    #[error(
+        "a cell or filter cannot follow a sensor that an ideal force moves directly: the residual flexibility of the \
+         drive point gives its velocity and acceleration derivatives of the drive"
+    )]
+    DriveInSensor,
+    /// The control ended the test.
+    #[error("the control of the test stopped it at {time} s: {}", reason_in_words(*.reason))]
+    Stopped {
+        /// Why.
+        reason: EmergencyReason,
+        /// When, s.
+        time: f64,
+    },
+    /// A limit without a channel that tells it.
+    #[error("the {what} is limited, but no channel for it is named")]
+    LimitWithoutChannel {
+        /// What is limited.
+        what: &'static str,
+    },
     /// The sampling interval of the loop differs from that of the rig.
     #[error("the loop has a sampling interval of {of_loop} s, the rig one of {of_rig} s")]
     SamplingIntervals {
@@ -145,6 +165,17 @@ pub enum RigError {
         /// Unit of the sensor.
         found: &'static str,
     },
+}
+
+fn reason_in_words(reason: EmergencyReason) -> &'static str {
+    match reason {
+        EmergencyReason::None => "no reason",
+        EmergencyReason::Operator => "the operator wanted it",
+        EmergencyReason::Stroke => "the displacement exceeded its limit",
+        EmergencyReason::ContactForce => "the contact force exceeded its limit",
+        EmergencyReason::Force => "the force of the exciter exceeded its limit",
+        EmergencyReason::Silence => "no readings of force or response for too long",
+    }
 }
 
 pub(crate) fn positive(what: &'static str, value: f64) -> Result<f64, RigError> {

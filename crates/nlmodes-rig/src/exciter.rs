@@ -76,6 +76,14 @@ impl Exciter {
         }
     }
 
+    /// Number of its states.
+    pub(crate) fn states(&self) -> usize {
+        match self {
+            Self::IdealForce => 0,
+            Self::Shaker(_) => 3,
+        }
+    }
+
     pub(crate) fn check(&self) -> Result<(), RigError> {
         let Self::Shaker(shaker) = self else { return Ok(()) };
         positive("resistance of the coil (Ω)", shaker.resistance)?;

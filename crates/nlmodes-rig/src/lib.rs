@@ -23,14 +23,16 @@
 //! | `g_0`, `λ`, `A` | gap, contact force, flexibility | m, N, m/N | [`Stop`] |
 //! | `u`, `f` | voltage, force on the structure | V, N | [`Shaker`], [`Exciter`] |
 //!
-//! A [`Session`] is a rig in a closed loop; a [`VirtualTest`] runs through a [`Schedule`] of levels, holds each until
-//! lag, drift and periodicity are within tolerance, and returns a [`Record`](nlmodes_experiment::records::Record) like
-//! a measured one, with the remaining deviations as [`Finding`]s. The loop of [`nlmodes_experiment::phase_loop`] has
-//! access to two noisy channels only, not to the model. The same seed gives the same records.
+//! A [`Session`] is a rig under the [`TestControl`](nlmodes_experiment::phase_loop::TestControl) that a real one has:
+//! hardware in the loop without hardware. A [`VirtualTest`] runs through its levels, and returns a
+//! [`Record`](nlmodes_experiment::records::Record) of each like a measured one, with what kept it from settling as
+//! [`Finding`]s. The control has access to noisy channels only, not to the model. The same seed gives the same records.
 //!
 //! ```
-//! use nlmodes_experiment::phase_loop::{LoopSettings, Resonance};
-//! use nlmodes_rig::{DrivePoint, Exciter, LinearStructure, MotionQuantity, SensorPlace, RigSetup, Schedule, Sensor, VirtualTest};
+//! use nlmodes_experiment::phase_loop::{LevelSchedule, LoopSettings, Resonance, TestSettings};
+//! use nlmodes_rig::{
+//!     ControlChannels, DrivePoint, Exciter, LinearStructure, MotionQuantity, RigSetup, Sensor, SensorPlace, VirtualTest,
+//! };
 //!
 //! // One mode at 40 Hz with 1 % damping, an ideal force, and a loop that starts 0.3 Hz too low.
 //! let omega = 2.0 * std::f64::consts::PI * 40.0;
@@ -47,28 +49,29 @@
 //!     substeps: None,
 //!     seed: 1,
 //! };
-//! let settings = LoopSettings::new(Resonance { omega, damping_ratio: 0.01 }, omega - 2.0, rig.interval);
-//! let test = VirtualTest { rig, settings, force: 0, response: 1, harmonics: None, schedule: Schedule::new(vec![0.5]) };
+//! let phase = LoopSettings::new(Resonance { omega, damping_ratio: 0.01 }, omega - 2.0, rig.interval);
+//! let control = TestSettings::new(phase, LevelSchedule::new(&[0.5])?);
+//! let test = VirtualTest { rig, control, channels: ControlChannels::new(0, 1), harmonics: None };
 //! let levels = test.run(|_| {})?;
 //! assert!(levels[0].findings.is_empty());
 //! assert!((levels[0].steady.omega / omega - 1.0).abs() < 1e-6);
 //! assert_eq!((levels[0].record.channels[1].name.as_str(), levels[0].record.n_samples()), ("response", 20_000));
-//! # Ok::<(), nlmodes_rig::RigError>(())
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
 //! Equation numbers: S. Peter, F. Schreyer, R. I. Leine, *A method for numerical and experimental nonlinear modal
 //! analysis of nonsmooth systems*, Mechanical Systems and Signal Processing 120 (2019) 793-807.
 
 mod bernstein;
+mod chain;
+mod closed_loop;
 mod drive;
 mod error;
 mod exciter;
 mod finding;
 mod functional;
 mod harmonics;
-mod hold;
 mod matrix;
-mod period;
 mod propagator;
 mod reduction;
 mod rig;
@@ -79,17 +82,18 @@ mod stop;
 mod structure;
 mod virtual_test;
 
+pub use chain::{Chain, Converter, DropOuts, Hum, Stage};
+pub use closed_loop::{HeldLevel, LevelsAhead, LockedMotion};
 pub use drive::Drive;
 pub use error::RigError;
 pub use exciter::{Exciter, Shaker};
 pub use finding::Finding;
 pub use harmonics::ControlledHarmonics;
-pub use hold::{Hold, Settling, SteadyState};
 pub use nlmodes_model::{ContactLaw, Side};
 pub use reduction::ModalReduction;
 pub use rig::{RigSetup, VirtualRig};
 pub use sensor::{MotionQuantity, Sensor, SensorPlace};
-pub use session::{DRIVE_PHASE, Session};
+pub use session::{ControlChannels, DRIVE_PHASE, Session};
 pub use stop::Stop;
 pub use structure::{DrivePoint, LinearStructure};
-pub use virtual_test::{LevelOutcome, Schedule, VirtualTest};
+pub use virtual_test::{LevelOutcome, SteadyState, VirtualTest};

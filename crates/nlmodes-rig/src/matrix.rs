@@ -10,6 +10,15 @@ impl Matrix {
         Self { n, values: vec![0.0; n * n] }
     }
 
+    /// With so many rows and columns of zeros more.
+    pub(crate) fn enlarged(&self, by: usize) -> Self {
+        let mut larger = Self::zeros(self.n + by);
+        for (j, column) in self.values.chunks_exact(self.n.max(1)).enumerate() {
+            larger.column_mut(j)[..self.n].copy_from_slice(column);
+        }
+        larger
+    }
+
     pub(crate) fn add(&mut self, i: usize, j: usize, value: f64) {
         self.values[j * self.n + i] += value;
     }

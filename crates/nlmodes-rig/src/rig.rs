@@ -3,12 +3,13 @@ use rand::SeedableRng;
 use rand::rngs::Xoshiro256PlusPlus;
 use rand_distr::{Distribution, StandardNormal};
 
+use crate::chain::Samples;
 use crate::error::{finite, not_negative, positive};
 use crate::functional::Functional;
 use crate::propagator::Propagator;
 use crate::state_space::StateSpace;
 use crate::structure::check_shape;
-use crate::{Drive, DrivePoint, Exciter, LinearStructure, MotionQuantity, RigError, Sensor, SensorPlace, Stop};
+use crate::{Chain, Drive, DrivePoint, Exciter, LinearStructure, MotionQuantity, RigError, Sensor, SensorPlace, Stop};
 
 /// Components of a rig.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,6 +56,8 @@ struct Channel {
     output: [Functional; 2],
     noise: f64,
     random: Xoshiro256PlusPlus,
+    /// What happens to its samples, if anything does.
+    samples: Option<Samples>,
 }
 
 impl VirtualRig {
@@ -64,13 +67,15 @@ impl VirtualRig {
     /// [`RigError::StepTooLarge`] if `substeps` is given and too small, and the variants about quantities and shapes.
     pub fn new(setup: RigSetup) -> Result<Self, RigError> {
         check(&setup)?;
-        let space = StateSpace::new(&setup.structure, &setup.drive_point, setup.exciter, setup.stop.as_ref());
+        let mut space = StateSpace::new(&setup.structure, &setup.drive_point, setup.exciter, setup.stop.as_ref());
+        let channels = channels(&setup, &mut space)?;
         let propagator = Propagator::new(&space, setup.interval, setup.substeps)?;
         let substeps = (setup.interval / propagator.step()).round() as usize;
-        let channels = channels(&setup, &space)?;
         let x = vec![0.0; space.size()];
         let closed = setup.stop.as_ref().is_some_and(|stop| stop.gap < 0.0);
-        Ok(Self { setup, space, propagator, substeps, channels, x, closed, input: [0.0; 3], intervals: 0 })
+        let mut rig = Self { setup, space, propagator, substeps, channels, x, closed, input: [0.0; 3], intervals: 0 };
+        rig.sample();
+        Ok(rig)
     }
 
     /// Its components.
@@ -105,7 +110,18 @@ impl VirtualRig {
         }
         self.input = drive.at_end(self.setup.interval);
         self.intervals += 1;
+        self.sample();
         if self.x.iter().all(|x| x.is_finite()) { Ok(()) } else { Err(RigError::Diverged { time: self.time() }) }
+    }
+
+    /// Hands the quantities on to the channels that have a past.
+    fn sample(&mut self) {
+        let (x, input, closed) = (&self.x, &self.input, usize::from(self.closed));
+        for channel in &mut self.channels {
+            if let Some(samples) = &mut channel.samples {
+                samples.push(channel.output[closed].value(x, input));
+            }
+        }
     }
 
     /// Reads a channel, with noise. Each reading has new noise.
@@ -113,16 +129,14 @@ impl VirtualRig {
     /// # Errors
     /// [`RigError::NoChannel`].
     pub fn read(&mut self, channel: usize) -> Result<f64, RigError> {
-        let exact = self.exact(channel)?;
-        let Channel { noise, random, .. } = &mut self.channels[channel];
-        if *noise == 0.0 {
-            return Ok(exact);
-        }
-        let normal: f64 = StandardNormal.sample(random);
-        Ok(exact + *noise * normal)
+        let (exact, time) = (self.exact(channel)?, self.time());
+        let Channel { noise, random, samples, .. } = &mut self.channels[channel];
+        let normal: f64 = if *noise == 0.0 { 0.0 } else { StandardNormal.sample(random) };
+        let noise = *noise * normal;
+        Ok(samples.as_mut().map_or(exact + noise, |samples| samples.read(time, noise)))
     }
 
-    /// The noise-free value of a channel.
+    /// The value of a channel behind cell and filter, without noise and what happens to samples.
     ///
     /// # Errors
     /// [`RigError::NoChannel`].
@@ -153,6 +167,19 @@ impl VirtualRig {
         let penetration = self.space.penetration.as_ref();
         self.closed = penetration.is_some_and(|p| p.value(&self.x, &[0.0; 3]) > 0.0);
         Ok(())
+    }
+
+    /// The states in their own scale: modal coordinates and velocities, and those of a shaker.
+    pub(crate) fn states(&self) -> &[f64] {
+        &self.x
+    }
+
+    /// Continues from these states, after an interval with this drive.
+    pub(crate) fn set_states(&mut self, x: &[f64], drive: &Drive) {
+        self.x.copy_from_slice(x);
+        let penetration = self.space.penetration.as_ref();
+        self.closed = penetration.is_some_and(|p| p.value(&self.x, &[0.0; 3]) > 0.0);
+        self.input = drive.at_end(self.setup.interval);
     }
 
     /// Kinetic and strain energy of structure and stop, J; that of an exciter is not counted.
@@ -191,6 +218,7 @@ fn check(setup: &RigSetup) -> Result<(), RigError> {
     }
     for sensor in &setup.sensors {
         not_negative("standard deviation of the noise", sensor.noise)?;
+        sensor.chain.check()?;
         if let SensorPlace::Point { shape, position, .. } = &sensor.place {
             check_shape(&format!("shape at sensor `{}`", sensor.name), shape, modes)?;
             finite("position of a sensor (m)", *position)?;
@@ -199,16 +227,25 @@ fn check(setup: &RigSetup) -> Result<(), RigError> {
     Ok(())
 }
 
-fn channels(setup: &RigSetup, space: &StateSpace) -> Result<Vec<Channel>, RigError> {
-    let channel = |(index, sensor): (usize, &Sensor)| {
-        Ok(Channel {
-            output: [output(setup, space, sensor, false)?, output(setup, space, sensor, true)?],
+fn channels(setup: &RigSetup, space: &mut StateSpace) -> Result<Vec<Channel>, RigError> {
+    let mut channels = Vec::with_capacity(setup.sensors.len());
+    for (index, sensor) in setup.sensors.iter().enumerate() {
+        let raw = [output(setup, space, sensor, false)?, output(setup, space, sensor, true)?];
+        let output = if sensor.chain.stages.is_empty() { raw } else { space.push_stages(raw, &sensor.chain.stages)? };
+        let stream = |number: u64| setup.seed.wrapping_add(index as u64).wrapping_add(number << 32);
+        let disturbed = sensor.chain != Chain { stages: sensor.chain.stages.clone(), ..Chain::default() };
+        channels.push(Channel {
+            output,
             noise: sensor.noise,
             // One random stream per channel: an additional channel does not change the noise of the others.
-            random: Xoshiro256PlusPlus::seed_from_u64(setup.seed.wrapping_add(index as u64)),
-        })
-    };
-    setup.sensors.iter().enumerate().map(channel).collect()
+            random: Xoshiro256PlusPlus::seed_from_u64(stream(0)),
+            samples: disturbed.then(|| Samples::new(&sensor.chain, setup.interval, stream(1))),
+        });
+    }
+    // Stages of later sensors have added states.
+    let size = space.size();
+    channels.iter_mut().flat_map(|channel| &mut channel.output).for_each(|output| output.row.resize(size, 0.0));
+    Ok(channels)
 }
 
 /// Value of a sensor with the stop open or closed.
@@ -224,7 +261,16 @@ fn output(setup: &RigSetup, space: &StateSpace, sensor: &Sensor, closed: bool) -
         (0..orders).fold(displacement, |output, _| output.derivative(&system.a, &system.c, &space.b))
     };
     Ok(match &sensor.place {
-        SensorPlace::Excitation => space.excitation_force(),
+        SensorPlace::Excitation => {
+            let force = space.excitation_force();
+            let mass = sensor.chain.mass;
+            if mass == 0.0 {
+                return Ok(force);
+            }
+            let at_drive = space.modal_displacement(&setup.drive_point.shape);
+            let at_drive = at_drive.plus(setup.drive_point.residual, &force);
+            force.plus(mass, &differentiate(at_drive, MotionQuantity::Acceleration))
+        }
         SensorPlace::Stop => {
             stop()?;
             space.contact_force(closed)

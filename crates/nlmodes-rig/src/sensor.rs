@@ -1,5 +1,7 @@
 use nlmodes_experiment::records::{Quantity, Role};
 
+use crate::Chain;
+
 /// Quantity of a motion sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum MotionQuantity {
@@ -73,11 +75,13 @@ pub struct Sensor {
     pub place: SensorPlace,
     /// Standard deviation of white Gaussian noise, in the unit of the channel.
     pub noise: f64,
+    /// What else lies between the quantity and its samples.
+    pub chain: Chain,
 }
 
 impl Sensor {
     /// A sensor with white Gaussian noise of this standard deviation.
     pub fn new(name: impl Into<String>, place: SensorPlace, noise: f64) -> Self {
-        Self { name: name.into(), place, noise }
+        Self { name: name.into(), place, noise, chain: Chain::default() }
     }
 }

@@ -1,34 +1,58 @@
-use std::collections::VecDeque;
 use std::f64::consts::FRAC_PI_2;
 use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use nlmodes_experiment::phase_loop::{AppropriationState, LoopSettings, LoopState, PhaseLockedLoop, ResponseQuantity};
+use nlmodes_experiment::phase_loop::{
+    LevelSchedule, MAX_SENSORS, ResponseQuantity, Stage, SteadyCriteria, TestControl, TestInput, TestOutput,
+    TestSettings, TestState,
+};
 use nlmodes_experiment::records::{Channel, Quantity, Record, Role};
 use num_complex::Complex64;
 
-use crate::error::{finite, not_negative, positive};
-use crate::harmonics::{ControlledHarmonics, HarmonicControl};
-use crate::hold::Settling;
-use crate::period::{Period, PeriodAnalyzer};
-use crate::{Drive, Finding, Hold, RigError, RigSetup, SteadyState, VirtualRig};
+use crate::error::not_negative;
+use crate::{Drive, Finding, LevelOutcome, RigError, RigSetup, SteadyState, VirtualRig};
 
 /// Name of the channel with the phase of the drive.
 pub const DRIVE_PHASE: &str = "drive_phase";
 
-/// A rig in a closed loop: ramp, wait, settle, record, freeze the frequency.
-///
-/// The loop has access only to two channels of the rig, with their noise.
+/// Longer than any test, s.
+pub(crate) const EVER: f64 = 1e9;
+
+/// The channels that the control of a test reads.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ControlChannels {
+    /// The excitation force.
+    pub force: usize,
+    /// The response.
+    pub response: usize,
+    /// A displacement for the limit of the stroke.
+    pub stroke: Option<usize>,
+    /// The contact force for its limit.
+    pub contact_force: Option<usize>,
+    /// Motions for the control of harmonics.
+    pub motions: Vec<usize>,
+}
+
+impl ControlChannels {
+    /// Force and response, and nothing else.
+    pub fn new(force: usize, response: usize) -> Self {
+        Self { force, response, stroke: None, contact_force: None, motions: Vec::new() }
+    }
+}
+
+/// A rig under the control of a test, [`TestControl`], as at a real one: each sample the control is given the readings
+/// of some channels, with their noise, and drives the rig until the next.
 #[derive(Debug, Clone)]
 pub struct Session {
     rig: VirtualRig,
-    pll: PhaseLockedLoop,
-    state: LoopState,
-    force: usize,
-    response: usize,
-    amplitude: f64,
-    harmonics: Option<HarmonicControl>,
+    control: TestControl,
+    quantity: ResponseQuantity,
+    settling: SteadyCriteria,
+    /// Whether an operator has left the levels of the schedule.
+    by_hand: bool,
+    state: TestState,
+    channels: ControlChannels,
     /// The readings of this interval, channel by channel.
     readings: Vec<Option<f64>>,
     asked: Asked,
@@ -61,19 +85,20 @@ impl fmt::Debug for Asked {
 }
 
 impl Session {
-    /// A rig at rest and a loop before its first sample. `force` and `response` are the channels used by the loop.
+    /// A rig at rest and a control before its first sample.
     ///
     /// # Errors
-    /// Those of [`VirtualRig::new`]; [`RigError::Loop`], among others for unstable gains; [`RigError::NoChannel`];
-    /// [`RigError::SamplingIntervals`] and [`RigError::ResponseQuantity`] if rig and loop are incompatible.
-    pub fn new(setup: RigSetup, settings: LoopSettings, force: usize, response: usize) -> Result<Self, RigError> {
+    /// Those of [`VirtualRig::new`]; [`RigError::Loop`] for settings that cannot work; [`RigError::NoChannel`];
+    /// [`RigError::SamplingIntervals`], [`RigError::ResponseQuantity`] and [`RigError::LimitWithoutChannel`] if rig and
+    /// control are incompatible.
+    pub fn new(setup: RigSetup, settings: &TestSettings, channels: ControlChannels) -> Result<Self, RigError> {
         let rig = VirtualRig::new(setup)?;
-        let pll = PhaseLockedLoop::new(settings)?;
-        check_channels(&rig, &pll, force, response)?;
-        let state = pll.start();
+        let control = TestControl::new(settings)?;
+        check_channels(&rig, settings, &channels)?;
         let readings = vec![None; rig.setup().sensors.len()];
-        let asked = Asked::default();
-        Ok(Self { rig, pll, state, force, response, amplitude: 0.0, harmonics: None, readings, asked })
+        let (state, settling) = (control.start(), settings.schedule.settling);
+        let (quantity, asked) = (settings.phase.quantity, Asked::default());
+        Ok(Self { rig, control, quantity, settling, by_hand: false, state, channels, readings, asked })
     }
 
     /// Calls `who` from time to time to ask whether to continue; if not, the current operation ends with
@@ -89,202 +114,163 @@ impl Session {
         &self.rig
     }
 
-    /// The state of the loop.
-    pub fn state(&self) -> &LoopState {
+    /// The state of the control.
+    pub fn state(&self) -> &TestState {
         &self.state
     }
 
-    /// The loop.
-    pub fn control(&self) -> &PhaseLockedLoop {
-        &self.pll
-    }
-
-    /// Amplitude of the drive, N or V.
-    pub fn amplitude(&self) -> f64 {
-        self.amplitude
-    }
-
-    /// Freezes the present frequency, or returns it to the loop.
-    pub fn hold_frequency(&mut self, held: bool) {
-        self.state = self.state.hold_frequency(held);
-    }
-
-    /// Freezes the frequency at `omega`, rad/s.
-    ///
-    /// # Errors
-    /// [`RigError::NotPositive`].
-    pub fn hold_frequency_at(&mut self, omega: f64) -> Result<(), RigError> {
-        self.state = self.state.hold_frequency_at(positive("frequency (rad/s)", omega)?);
-        Ok(())
-    }
-
-    /// Starts control of the higher harmonics of the force: measures the transfer function from drive to force in each
-    /// of them, with a tone of a tenth of the present level, and lets them settle. To be called at a nonzero level,
-    /// preferably without contact.
-    ///
-    /// # Errors
-    /// [`RigError::Loop`] for invalid settings of the controller, or a force that does not respond;
-    /// [`RigError::NoChannel`] and [`RigError::ResponseQuantity`] for channels that are not motions;
-    /// [`RigError::DriveTooFast`]; those of [`Session::ramp`].
-    pub fn control_harmonics(&mut self, wanted: &ControlledHarmonics) -> Result<(), RigError> {
-        let tone = HarmonicControl::TONE * positive("level", self.amplitude.abs())?;
-        let tones = [0.0, tone].map(|tone| (1..=wanted.harmonics).map(move |n| if n > 1 { tone } else { 0.0 }.into()));
-        let mut answers = Vec::with_capacity(2);
-        for tones in tones {
-            let tones: Vec<Complex64> = tones.collect();
-            let mut control = HarmonicControl::new(&self.rig, self.pll.settings(), wanted, None)?;
-            control.state = control.state.held_at(&tones);
-            let wait = control.wait();
-            self.harmonics = Some(control);
-            self.run(wait)?;
-            answers.push(self.harmonics.as_ref().map_or_else(Vec::new, |control| control.state.force().to_vec()));
-        }
-        let transfer: Vec<Complex64> =
-            answers[0].iter().zip(&answers[1]).skip(1).map(|(a, b)| (b - a) / tone).collect();
-        let control = HarmonicControl::new(&self.rig, self.pll.settings(), wanted, Some(&transfer))?;
-        let wait = control.wait();
-        self.harmonics = Some(control);
-        self.run(wait)
-    }
-
-    /// The controlled harmonics of the force, if any beyond the first.
-    pub fn harmonics(&self) -> Option<&AppropriationState> {
-        self.harmonics.as_ref().map(|control| &control.state)
+    /// The state of the control, for what an operator may do to it.
+    pub fn state_mut(&mut self) -> &mut TestState {
+        &mut self.state
     }
 
     /// Complex amplitudes of the force in the controlled harmonics 1, 2 …, N, with phases relative to the cosine of the
     /// fundamental of the response's displacement; empty if only the first is controlled.
     pub fn force_harmonics(&self) -> Vec<Complex64> {
-        let [_, response] = self.state.fundamentals();
-        let ahead = FRAC_PI_2 * f64::from(self.pll.settings().quantity.derivatives());
-        let angle = response.arg() - ahead;
+        let [_, response] = self.state.phase().fundamentals();
+        let angle = response.arg() - FRAC_PI_2 * f64::from(self.quantity.derivatives());
         let turned = |(index, force): (usize, &Complex64)| force * Complex64::cis(-((index + 1) as f64) * angle);
-        self.harmonics().map_or_else(Vec::new, |control| control.force().iter().enumerate().map(turned).collect())
+        self.state.harmonics().force().iter().enumerate().map(turned).collect()
     }
 
-    /// Changes the amplitude of the drive linearly to `amplitude` in `duration` seconds, under control.
+    /// One sample.
     ///
     /// # Errors
-    /// Those of [`VirtualRig::advance`], and unsuitable numbers.
-    pub fn ramp(&mut self, amplitude: f64, duration: f64) -> Result<(), RigError> {
-        let (from, to) = (self.amplitude, finite("level", amplitude)?);
-        let samples = self.samples(duration)?.max(1);
-        for k in 1..=samples {
-            let share = k as f64 / samples as f64;
-            self.sample(from + share * (to - from), |_, _| Ok(()))?;
+    /// Those of [`VirtualRig::advance`]; [`RigError::Interrupted`].
+    pub fn step(&mut self) -> Result<TestOutput, RigError> {
+        self.sample(None)
+    }
+
+    /// Continues for `duration` seconds.
+    ///
+    /// # Errors
+    /// As [`Session::step`].
+    pub fn run(&mut self, duration: f64) -> Result<(), RigError> {
+        (0..self.samples(duration)?).try_for_each(|_| self.step().map(drop))
+    }
+
+    /// Goes to `level` in `ramp` seconds, and stays there: what an operator wants instead of the schedule.
+    ///
+    /// # Errors
+    /// [`RigError::Loop`] for a level that cannot be; those of [`Session::step`].
+    pub fn go(&mut self, level: f64, ramp: f64) -> Result<(), RigError> {
+        self.begin(level, ramp, &SteadyCriteria { longest: EVER, ..self.settling })?;
+        self.run(ramp)
+    }
+
+    /// Holds the present level until it is steady, or as long as these criteria allow; what it was then, and why it was
+    /// not steady.
+    ///
+    /// # Errors
+    /// As [`Session::go`].
+    pub fn settle(&mut self, settling: &SteadyCriteria) -> Result<(TestOutput, Vec<Finding>), RigError> {
+        self.begin(self.state.level(), 0.0, settling)?;
+        loop {
+            let output = self.step()?;
+            if !matches!(output.stage, Stage::Ramp | Stage::Settle) {
+                return Ok((output, Finding::of_hold(&output, settling, &self.state)));
+            }
         }
+    }
+
+    /// A schedule of this level alone.
+    fn begin(&mut self, level: f64, ramp: f64, settling: &SteadyCriteria) -> Result<(), RigError> {
+        let only = LevelSchedule::new(&[level])?;
+        let only = LevelSchedule { ramp, start: 0.0, settling: *settling, record: EVER, ..only };
+        self.control = self.control.with_schedule(only)?;
+        self.state.begin_levels();
+        self.by_hand = true;
         Ok(())
     }
 
-    /// Continues for `duration` seconds at the present amplitude.
+    /// Goes on to the end of the record of the next level of the schedule; none after the last one, or after
+    /// [`Session::go`].
     ///
     /// # Errors
-    /// As [`Session::ramp`].
-    pub fn run(&mut self, duration: f64) -> Result<(), RigError> {
-        self.ramp(self.amplitude, duration)
-    }
-
-    /// Holds the level until it is steady, or as long as allowed.
-    ///
-    /// # Errors
-    /// As [`Session::ramp`].
-    pub fn settle(&mut self, hold: &Hold) -> Result<Settling, RigError> {
-        hold.check()?;
-        let start = self.rig.time();
-        let mut windows: VecDeque<SteadyState> = VecDeque::with_capacity(hold.windows + 1);
+    /// As [`Session::step`]; [`RigError::Stopped`] after an emergency stop.
+    pub fn next_level(&mut self) -> Result<Option<LevelOutcome>, RigError> {
+        let mut record = self.empty_record(0)?;
+        let mut means = Means::default();
+        let (mut settling_from, mut held) = (None, None);
         loop {
-            let before = self.rig.time();
-            windows.push_back(self.window(hold.periods)?);
-            let off = self.harmonics.as_mut().map(HarmonicControl::take_off);
-            if windows.len() > hold.windows {
-                windows.pop_front();
+            match self.state.stage() {
+                _ if self.by_hand => return Ok(None),
+                Stage::Down | Stage::Finished => return Ok(None),
+                Stage::Stopping | Stage::Stopped => {
+                    return Err(RigError::Stopped { reason: self.state.stop_reason(), time: self.rig.time() });
+                }
+                _ => {}
             }
-            let (now, last) = (self.rig.time(), windows.make_contiguous());
-            let out_of_time = now - start >= hold.longest;
-            if last.len() < 2 || (last.len() < hold.windows && !out_of_time) {
-                continue;
+            let now = self.rig.time();
+            let output = self.sample(Some((&mut record, false)))?;
+            if output.stage == Stage::Settle {
+                settling_from.get_or_insert(now);
             }
-            let mut findings = hold.judge(last, self.pll.target_lag(), now - before);
-            if let (Some(off), Some(control)) = (off, self.harmonics()) {
-                findings.extend(hold.judge_harmonics(&off, control));
-            }
-            if self.state.is_at_limit() {
-                findings.push(Finding::FrequencyLimit { omega: self.state.omega() });
-            }
-            if findings.is_empty() || out_of_time {
-                return Ok(Settling { duration: now - start, steady: SteadyState::mean(last), findings });
+            if output.recorded {
+                held.get_or_insert((output, now));
+                means.push(&output);
+            } else if let Some((held, start)) = held {
+                let (steady, number) = (means.steady_state(), held.level_index + 1);
+                record.name = format!("level-{number}");
+                let mut findings = Finding::of_hold(&held, &self.settling, &self.state);
+                findings.extend(Finding::of_record(&held, &self.settling, steady.lag - self.control.target_lag()));
+                return Ok(Some(LevelOutcome {
+                    level: held.level,
+                    settling: start - settling_from.unwrap_or(start),
+                    drifts: held.drifts,
+                    steady,
+                    force_harmonics: self.force_harmonics(),
+                    findings,
+                    start,
+                    record,
+                }));
             }
         }
     }
 
-    /// Means over the next `periods` periods.
-    ///
-    /// # Errors
-    /// As [`Session::ramp`].
-    pub fn window(&mut self, periods: usize) -> Result<SteadyState, RigError> {
-        let mut window = Window::new(periods, self.angle());
-        while !window.is_complete() {
-            let (force, response) = (self.force, self.response);
-            self.sample(self.amplitude, |readings, state| {
-                window.push(state, readings(force)?, readings(response)?);
-                Ok(())
-            })?;
-        }
-        Ok(window.steady_state(self.pll.target_lag()))
+    /// A level that is reached, at phase zero and this angular frequency, with this drive if it is controlled.
+    pub(crate) fn begin_at(&mut self, level: f64, omega: f64, drive: f64) {
+        self.state = self.control.at_level(level, omega, drive);
     }
 
-    /// Records all channels for `duration` seconds, and the means over the whole periods of that time (at least one).
-    /// The last channel is the phase of the drive, [`DRIVE_PHASE`], rad in [0, 2π).
+    /// Everything on which the further course depends: the numbers of the control, phase first, and those of the rig.
+    pub(crate) fn numbers(&self) -> Vec<f64> {
+        let (mut state, mut all) = (self.state, Vec::new());
+        self.control.each_number(&mut state, &mut |number| all.push(*number));
+        all.extend(self.rig.states());
+        all
+    }
+
+    /// Continues from these numbers.
+    pub(crate) fn set_numbers(&mut self, numbers: &[f64]) {
+        let mut rest = numbers.iter();
+        self.control.each_number(&mut self.state, &mut |number| *number = rest.next().copied().unwrap_or(0.0));
+        let (omega, [amplitude, ..]) = (self.state.phase().omega(), self.state.amplitudes());
+        let phase = self.state.phase().drive_phase() - omega * self.rig.setup().interval;
+        self.rig.set_states(rest.as_slice(), &Drive::sine([amplitude.re; 2], phase, omega));
+    }
+
+    /// Records all channels for `duration` seconds (at least one sample), and the means over that time. The last channel
+    /// is the phase of the drive, [`DRIVE_PHASE`], rad in [0, 2π).
     ///
     /// # Errors
-    /// As [`Session::ramp`].
+    /// As [`Session::step`].
     pub fn record(&mut self, duration: f64) -> Result<(Record, SteadyState), RigError> {
-        self.record_ramp(self.amplitude, duration)
+        let samples = self.samples(duration)?.max(1);
+        let (mut record, mut means) = (self.empty_record(samples)?, Means::default());
+        for _ in 0..samples {
+            means.push(&self.sample(Some((&mut record, true)))?);
+        }
+        Ok((record, means.steady_state()))
     }
 
-    /// The same while the amplitude of the drive changes linearly to `amplitude`: as a recorder that runs through a
-    /// whole test.
+    /// The same while the level changes to `level`: as a recorder that runs through a whole test.
     ///
     /// # Errors
-    /// As [`Session::ramp`].
-    pub fn record_ramp(&mut self, amplitude: f64, duration: f64) -> Result<(Record, SteadyState), RigError> {
-        let (from, to) = (self.amplitude, finite("level", amplitude)?);
-        let samples = self.samples(duration)?;
-        let at = |taken: usize| from + ((taken + 1) as f64 / samples.max(1) as f64).min(1.0) * (to - from);
-        let mut record = self.empty_record(samples)?;
-        let mut window = Window::new(usize::MAX, self.angle());
-        let (force, response) = (self.force, self.response);
-        let sensors = record.channels.len() - 1;
-        let mut taken = 0;
-        while taken < samples || window.periods.is_empty() {
-            self.sample(at(taken), |readings, state| {
-                let mut values = [0.0; 2];
-                for (index, samples_of) in record.samples[..sensors].iter_mut().enumerate() {
-                    let value = readings(index)?;
-                    if index == force {
-                        values[0] = value;
-                    }
-                    if index == response {
-                        values[1] = value;
-                    }
-                    if taken < samples {
-                        samples_of.push(value);
-                    }
-                }
-                if taken < samples {
-                    record.samples[sensors].push(state.drive_phase());
-                }
-                window.push(state, values[0], values[1]);
-                Ok(())
-            })?;
-            taken += 1;
-        }
-        Ok((record, window.steady_state(self.pll.target_lag())))
-    }
-
-    /// Angle of the drive in a sampling interval, rad.
-    fn angle(&self) -> f64 {
-        self.state.omega() * self.rig.setup().interval
+    /// As [`Session::go`].
+    pub fn record_ramp(&mut self, level: f64, duration: f64) -> Result<(Record, SteadyState), RigError> {
+        self.begin(level, duration, &SteadyCriteria { longest: EVER, ..self.settling })?;
+        self.record(duration)
     }
 
     fn empty_record(&self, samples: usize) -> Result<Record, RigError> {
@@ -300,90 +286,98 @@ impl Session {
         Ok((not_negative("duration (s)", duration)? / self.rig.setup().interval).round() as usize)
     }
 
-    /// One sample: read, pass the readings to `see` (each channel is read once), step the loop, advance.
-    fn sample(
-        &mut self,
-        amplitude: f64,
-        see: impl FnOnce(&mut dyn FnMut(usize) -> Result<f64, RigError>, &LoopState) -> Result<(), RigError>,
-    ) -> Result<(), RigError> {
+    /// One sample: read, step the control, record if it says so or in any case, advance.
+    fn sample(&mut self, record: Option<(&mut Record, bool)>) -> Result<TestOutput, RigError> {
         self.asked.goes_on()?;
         self.readings.fill(None);
-        let (rig, readings) = (&mut self.rig, &mut self.readings);
-        let mut read = |channel: usize| match readings.get(channel) {
-            Some(&Some(value)) => Ok(value),
-            _ => {
-                let value = rig.read(channel)?;
-                readings[channel] = Some(value);
-                Ok(value)
+        let input = self.input()?;
+        let output = self.control.step(&mut self.state, &input);
+        if let Some((record, always)) = record
+            && (always || output.recorded)
+        {
+            let sensors = self.readings.len();
+            for (channel, samples) in record.samples.iter_mut().enumerate() {
+                samples.push(if channel < sensors { self.read(channel)? } else { output.phase });
             }
-        };
-        let (force, response) = (read(self.force)?, read(self.response)?);
-        let mut drive = Drive::sine([self.amplitude, amplitude], self.state.drive_phase(), self.state.omega());
-        if let Some(control) = &mut self.harmonics {
-            control.step(&mut drive, force, &mut read)?;
         }
-        see(&mut read, &self.state)?;
-        self.state = self.pll.step(&self.state, force, response);
-        drive.omega = self.state.omega();
-        self.amplitude = amplitude;
-        self.rig.advance(&drive)
+        self.rig.advance(&Drive { amplitudes: output.amplitudes, phase: output.phase, omega: output.omega })?;
+        Ok(output)
+    }
+
+    /// What the control is given.
+    fn input(&mut self) -> Result<TestInput, RigError> {
+        let mut input = TestInput::new(self.read(self.channels.force)?, self.read(self.channels.response)?);
+        if let Some(channel) = self.channels.stroke {
+            input.stroke = self.read(channel)?;
+        }
+        if let Some(channel) = self.channels.contact_force {
+            input.contact_force = self.read(channel)?;
+        }
+        for (at, motion) in input.motions.iter_mut().enumerate().take(self.channels.motions.len()) {
+            *motion = self.read(self.channels.motions[at])?;
+        }
+        Ok(input)
+    }
+
+    /// The reading of a channel; each is read once a sample.
+    fn read(&mut self, channel: usize) -> Result<f64, RigError> {
+        if let Some(&Some(value)) = self.readings.get(channel) {
+            return Ok(value);
+        }
+        let value = self.rig.read(channel)?;
+        self.readings[channel] = Some(value);
+        Ok(value)
     }
 }
 
-fn check_channels(rig: &VirtualRig, pll: &PhaseLockedLoop, force: usize, response: usize) -> Result<(), RigError> {
-    rig.channel(force)?;
-    let (of_loop, of_rig) = (pll.settings().step, rig.setup().interval);
+fn check_channels(rig: &VirtualRig, settings: &TestSettings, channels: &ControlChannels) -> Result<(), RigError> {
+    let optional = [channels.stroke, channels.contact_force];
+    for channel in [channels.force].into_iter().chain(optional.into_iter().flatten()) {
+        rig.channel(channel)?;
+    }
+    let limits = [("stroke", settings.limits.stroke), ("contact force", settings.limits.contact_force)];
+    for ((what, limit), channel) in limits.into_iter().zip(optional) {
+        if limit.is_finite() && channel.is_none() {
+            return Err(RigError::LimitWithoutChannel { what });
+        }
+    }
+    let (of_loop, of_rig) = (settings.phase.step, rig.setup().interval);
     if (of_loop / of_rig - 1.0).abs() > 1e-9 {
         return Err(RigError::SamplingIntervals { of_loop, of_rig });
     }
-    let expected = match pll.settings().quantity {
+    for channel in channels.motions.iter().take(MAX_SENSORS) {
+        rig.channel(*channel)?;
+    }
+    let expected = match settings.phase.quantity {
         ResponseQuantity::Displacement => Quantity::Displacement,
         ResponseQuantity::Velocity => Quantity::Velocity,
         ResponseQuantity::Acceleration => Quantity::Acceleration,
     };
-    let found = rig.channel(response)?.quantity;
+    let found = rig.channel(channels.response)?.quantity;
     if found == expected {
         return Ok(());
     }
-    let sensor = rig.setup().sensors[response].name.clone();
+    let sensor = rig.setup().sensors[channels.response].name.clone();
     Err(RigError::ResponseQuantity { sensor, expected: expected.si_unit(), found: found.si_unit() })
 }
 
-/// Whole periods, and the mean frequency over them.
-struct Window {
-    wanted: usize,
-    analyzer: PeriodAnalyzer,
-    periods: Vec<Period>,
-    omega: f64,
+/// Sums of what the control has measured.
+#[derive(Debug, Default)]
+struct Means {
+    /// Angular frequency, lag, amplitudes of force and response.
+    sum: [f64; 4],
     samples: usize,
 }
 
-impl Window {
-    fn new(wanted: usize, angle: f64) -> Self {
-        Self { wanted, analyzer: PeriodAnalyzer::new(angle), periods: Vec::new(), omega: 0.0, samples: 0 }
-    }
-
-    fn is_complete(&self) -> bool {
-        self.periods.len() >= self.wanted
-    }
-
-    fn push(&mut self, state: &LoopState, force: f64, response: f64) {
-        self.periods.extend(self.analyzer.push(state.drive_phase(), force, response));
-        self.omega += state.omega();
+impl Means {
+    fn push(&mut self, output: &TestOutput) {
+        let values = [output.omega, output.lag, output.force, output.response];
+        self.sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
         self.samples += 1;
     }
 
-    /// The lag is given on the branch nearest to the target.
-    fn steady_state(&self, target: f64) -> SteadyState {
-        let mean = Period::mean(&self.periods);
-        let (force, response) = (mean.force[0], mean.response[0]);
-        let turned = (force * response.conj() * num_complex::Complex64::cis(-target)).arg();
-        SteadyState {
-            omega: self.omega / self.samples as f64,
-            lag: target + turned,
-            force: force.norm(),
-            response: response.norm(),
-            spread: Period::spread(&self.periods),
-        }
+    fn steady_state(&self) -> SteadyState {
+        let [omega, lag, force, response] = self.sum.map(|sum| sum / self.samples as f64);
+        SteadyState { omega, lag, force, response }
     }
 }

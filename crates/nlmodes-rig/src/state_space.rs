@@ -1,6 +1,6 @@
 use crate::functional::Functional;
 use crate::matrix::Matrix;
-use crate::{DrivePoint, Exciter, LinearStructure, Shaker, Stop};
+use crate::{DrivePoint, Exciter, LinearStructure, RigError, Shaker, Stage, Stop};
 
 /// `ẋ = A x + c + b u` with the stop open or closed.
 ///
@@ -31,7 +31,7 @@ pub(crate) struct StateSpace {
 impl StateSpace {
     pub(crate) fn new(structure: &LinearStructure, at: &DrivePoint, exciter: Exciter, stop: Option<&Stop>) -> Self {
         let modes = structure.modes();
-        let n = 2 * modes + if matches!(exciter, Exciter::Shaker(_)) { 3 } else { 0 };
+        let n = 2 * modes + exciter.states();
         let scale = rate(structure, at, exciter, stop);
         let mut space = Self {
             modes,
@@ -50,6 +50,48 @@ impl StateSpace {
         space.systems[1].a = a;
         space.close();
         space
+    }
+
+    /// Adds the stages of a sensor that reads `raw`, with the stop open and closed; what the last of them gives.
+    ///
+    /// ```text
+    /// ẏ_1 = ω y_2 ,   ẏ_2 = ω (raw/σ − y_1) − 2 ζ ω y_2
+    /// ```
+    ///
+    /// The size `σ` of `raw` keeps the new states comparable to the others.
+    ///
+    /// # Errors
+    /// [`RigError::DriveInSensor`] where derivatives of the drive are part of what is read.
+    pub(crate) fn push_stages(&mut self, raw: [Functional; 2], stages: &[Stage]) -> Result<[Functional; 2], RigError> {
+        if raw.iter().any(|raw| raw.input[1..] != [0.0; 2]) {
+            return Err(RigError::DriveInSensor);
+        }
+        let size = raw.iter().flat_map(|raw| &raw.row).fold(0.0, |m: f64, x| m.max(x.abs()));
+        let size = if size > 0.0 { size } else { 1.0 };
+        let mut read = raw;
+        for stage in stages {
+            let (n, w) = (self.size(), stage.omega);
+            self.b.extend([0.0; 2]);
+            self.penetration.iter_mut().for_each(|p| p.row.extend([0.0; 2]));
+            for (system, read) in self.systems.iter_mut().zip(&mut read) {
+                read.row.extend([0.0; 2]);
+                system.a = system.a.enlarged(2);
+                system.a.add(n, n + 1, w);
+                system.a.add(n + 1, n, -w);
+                system.a.add(n + 1, n + 1, -2.0 * stage.damping_ratio * w);
+                read.row.iter().enumerate().for_each(|(j, value)| system.a.add(n + 1, j, w * value / size));
+                system.c.extend([0.0, w * read.constant / size]);
+            }
+            let [open, closed] = [read[0].input[0], read[1].input[0]];
+            // The drive itself enters alike, whether the stop is open or closed.
+            debug_assert!(open == closed);
+            self.b[n + 1] = w * open / size;
+            for read in &mut read {
+                *read = Functional::zero(n + 2);
+                read.row[n] = size;
+            }
+        }
+        Ok(read)
     }
 
     pub(crate) fn size(&self) -> usize {

@@ -12,13 +12,13 @@ use nlmodes::experiment::extraction::ExtractionSettings;
 use nlmodes::experiment::phase_loop::PhaseLockedLoop;
 use nlmodes::experiment::records::Channel;
 use nlmodes::report::write_summary;
-use nlmodes::rig::Exciter;
+use nlmodes::rig::{Exciter, HeldLevel, LockedMotion};
 use nlmodes::virtual_test::{self, TestLevel};
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::scene::TestScene;
 use serde::Serialize;
 
-use crate::virtual_test::{Rig, prepared};
+use crate::virtual_test::{Rig, levels_ahead, prepared, warning};
 use crate::{Event, Failure, Observer, RunError, chain, links, refusal};
 
 pub use of_structure::{Assumed, of_structure};
@@ -77,6 +77,19 @@ pub struct Level {
     pub held: bool,
     /// What does not settle.
     pub findings: Vec<String>,
+    /// Magnitude of the largest Floquet multiplier of rig and control together: below 1 the control holds the level.
+    /// None where higher harmonics are controlled, and where no periodic motion was found.
+    pub largest_multiplier: Option<f64>,
+    /// Angle of that multiplier, in degrees: 0 a drift, 180 a motion of two periods.
+    pub multiplier_angle_deg: Option<f64>,
+    /// Time until it is settled by its multipliers, s; none if never.
+    pub settling_by_multipliers_s: Option<f64>,
+    /// Whether the level continues the motion of the one before; otherwise the motion jumps there.
+    pub jumps: bool,
+    /// The largest multiplier with the amplitude of the response under control, where phase control alone loses it.
+    pub largest_multiplier_by_amplitude: Option<f64>,
+    /// Why the multipliers say that it is not held.
+    pub announced: Option<String>,
     /// Time until it is settled, s; the longest that is allowed where it is not.
     pub settling_s: f64,
     /// Frequency, Hz.
@@ -129,11 +142,13 @@ pub fn design(file: &SceneFile<TestScene>, observer: &mut dyn Observer) -> Resul
         stop: rig.bench.extraction_stop(),
         ..scene.settings.clone()
     };
+    let ahead = levels_ahead(&test, &observer.watch())
+        .map_err(|error| RunError::NotRecorded { directory: scene.output_directory.clone(), reason: chain(&error) })?;
     let (mut count, mut levels) = (0, Vec::new());
     let run = virtual_test::run_while(&test, &settings, &observer.watch(), |level| {
         count += 1;
         observer.event(Event::Level { scene, number: count, level });
-        levels.push(of_level(level));
+        levels.push(of_level(level, ahead.get(count - 1).map(|ahead| (ahead, warning(scene, count, ahead)))));
         if observer.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     let ended = run.failure.map(|error| chain(&error));
@@ -149,9 +164,9 @@ pub fn design(file: &SceneFile<TestScene>, observer: &mut dyn Observer) -> Resul
         ranges: ranges(&levels),
         levels,
         held_by: "time integration of structure, stop, exciter, detector and controller at each level: a level counts as \
-                  held if lag, frequency, amplitude and single periods settle within virtual_test.schedule. \
-                  Multipliers of the closed loop are not computed: how far a held level is from being lost, and other \
-                  motions at the same level, are not checked",
+                  held if lag, frequency, amplitude and single periods settle within virtual_test.schedule. |μ| is the \
+                  largest Floquet multiplier of all of them together, for a motion that is followed from level to \
+                  level: below 1 it is held, the smaller the faster. Other motions at the same level are not looked for",
         ended,
     })
 }
@@ -178,7 +193,9 @@ fn control(rig: &Rig, scene: &TestScene) -> Control {
     }
 }
 
-fn of_level(level: &TestLevel) -> Level {
+fn of_level(level: &TestLevel, ahead: Option<(&HeldLevel, Option<String>)>) -> Level {
+    let motion = ahead.as_ref().and_then(|(ahead, _)| ahead.motion.as_ref());
+    let by_amplitude = ahead.as_ref().and_then(|(ahead, _)| ahead.by_amplitude.as_ref());
     let (outcome, found) = (&level.outcome, level.extraction.as_ref().ok());
     let record = &outcome.record;
     let peaks = record.channels.iter().zip(&record.samples).filter(|(channel, _)| channel.quantity.si_unit() != "rad");
@@ -191,12 +208,18 @@ fn of_level(level: &TestLevel) -> Level {
         level: outcome.level,
         held: outcome.findings.is_empty(),
         findings: outcome.findings.iter().map(|finding| finding.name().to_owned()).collect(),
-        settling_s: outcome.settling.duration,
+        largest_multiplier: motion.map(LockedMotion::largest),
+        multiplier_angle_deg: motion.and_then(|motion| Some(motion.multipliers.first()?.arg().to_degrees().abs())),
+        settling_by_multipliers_s: ahead.as_ref().map(|(ahead, _)| ahead.settling).filter(|time| time.is_finite()),
+        jumps: ahead.as_ref().is_some_and(|(ahead, _)| ahead.jumped),
+        largest_multiplier_by_amplitude: by_amplitude.map(LockedMotion::largest),
+        settling_s: outcome.settling,
         frequency_hz: outcome.steady.omega / TAU,
         modal_amplitude: found.and_then(|found| Some(found.modal.as_ref()?.amplitude.value)),
         force_n: outcome.steady.force,
         peak_contact_force_n: found.and_then(|found| Some(found.contact.as_ref()?.peak_force.value)),
         peaks: peaks.map(peak).collect(),
+        announced: ahead.and_then(|(_, warning)| warning),
     }
 }
 

@@ -1,5 +1,6 @@
 //! A virtual test: a rig with its loop, level by level, and what its records give.
 
+mod ahead;
 mod backbone;
 mod bench;
 mod damped;
@@ -14,16 +15,18 @@ use std::time::Instant;
 
 use nlmodes::branches::Watch;
 use nlmodes::experiment::extraction::ExtractionSettings;
+use nlmodes::experiment::phase_loop::TestSettings;
 use nlmodes::experiment::records::write_record;
 use nlmodes::modal::ModalBranch;
 use nlmodes::report::ReportError;
-use nlmodes::rig::{RigError, VirtualTest};
+use nlmodes::rig::{ControlChannels, RigError, VirtualTest};
 use nlmodes::virtual_test::{self, DRIVE_DISPLACEMENT, FORCE, TestLevel, TestRun};
 
 use crate::claim::Claim;
 use crate::overlay;
 use crate::records::table::Table;
 use crate::{Event, Observer, Over, RunError, chain, links, refusal};
+pub(crate) use ahead::{levels_ahead, warning};
 pub(crate) use bench::Rig;
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::scene::{BackboneMethod, KeptRecords, TestScene};
@@ -60,6 +63,7 @@ pub fn run(file: &SceneFile<TestScene>, over: Over, observer: &mut dyn Observer)
     claim.take_at_once()?;
     results::prepare(directory);
     observer.event(Event::Rig(&summary::model(scene, &rig)));
+    warn(scene, &test, observer);
     let not_recorded = |reason| RunError::NotRecorded { directory: directory.clone(), reason };
     let TestRun { levels, failure } = levels(scene, &rig, &test, observer).map_err(not_recorded)?;
     let mut wrong = Vec::new();
@@ -69,7 +73,7 @@ pub fn run(file: &SceneFile<TestScene>, over: Over, observer: &mut dyn Observer)
         // What was interrupted is told below.
         None | Some(RigError::Interrupted) => {}
         Some(error) => {
-            let (done, all) = (levels.len(), scene.schedule.levels.len());
+            let (done, all) = (levels.len(), scene.schedule.count);
             wrong.push(format!("the test ended after {done} of {all} levels: {}", chain(&error)));
         }
     }
@@ -83,10 +87,20 @@ pub fn run(file: &SceneFile<TestScene>, over: Over, observer: &mut dyn Observer)
         wrong.push(format!("{} of {n} levels did not settle, or gave no modal point; the table says why", n - settled));
     }
     if observer.is_cancelled() {
-        wrong.push(format!("the test was interrupted behind level {n} of {}", scene.schedule.levels.len()));
+        wrong.push(format!("the test was interrupted behind level {n} of {}", scene.schedule.count));
     }
     results::write(scene, &rig, &levels, (&computed, &laid), &wrong, began.elapsed()).map_err(RunError::Files)?;
     Ok(TestOutcome { levels, wrong })
+}
+
+/// Says which levels phase control will not hold. What cannot be told ahead, the test itself will say.
+fn warn(scene: &TestScene, test: &VirtualTest, observer: &mut dyn Observer) {
+    let levels = levels_ahead(test, &observer.watch()).unwrap_or_default();
+    for (index, level) in levels.iter().enumerate() {
+        if let Some(text) = warning(scene, index + 1, level) {
+            observer.event(Event::Warning(&text));
+        }
+    }
 }
 
 /// Whether the test would begin: refuses all that [`run`] refuses before its first sample, with the same words, but for
@@ -105,11 +119,9 @@ pub(crate) fn prepared(file: &SceneFile<TestScene>) -> Result<(Rig, VirtualTest)
     let rig = Rig::new(scene).map_err(|error| refusal::at(file, error.path, error.source.as_ref()))?;
     let test = VirtualTest {
         rig: rig.bench.setup(&rig.reduction),
-        settings: rig.control.clone(),
-        force: FORCE,
-        response: DRIVE_DISPLACEMENT,
+        control: TestSettings::new(rig.control.clone(), scene.schedule),
+        channels: ControlChannels::new(FORCE, DRIVE_DISPLACEMENT),
         harmonics: rig.controlled_harmonics(scene.control.controlled_harmonics),
-        schedule: scene.schedule.clone(),
     };
     refused::short_record(file, &rig)?;
     test.check().map_err(|error| refused::by_rig(file, &error))?;

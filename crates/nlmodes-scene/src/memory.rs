@@ -297,11 +297,11 @@ fn admit_test(file: &SceneFile<TestScene>, limit: Option<Limit>) -> Result<(), S
     let samples = scene.schedule.record * scene.sample_rate;
     let channels = scene.accelerometers.len() as f64 + 7.0;
     // One record is taken apart at a time.
-    let needed = 8.0 * samples * channels * (scene.schedule.levels.len() as f64 + 4.0);
+    let needed = 8.0 * samples * channels * (scene.schedule.count as f64 + 4.0);
     if needed <= limit.0 {
         return Ok(());
     }
-    let label = format!("{} levels, {samples:.0} samples, {channels} channels", scene.schedule.levels.len());
+    let label = format!("{} levels, {samples:.0} samples, {channels} channels", scene.schedule.count);
     let title = format!("the records need some {} of memory", text(needed));
     Err(file.error_at("virtual_test.schedule", &title, &label, &[&limit.help(needed)]))
 }

@@ -36,7 +36,7 @@ pub use static_loads::{ForcePlace, Gravity, StaticForce, StaticLoads, Thermal};
 pub use supports::{free_dofs, holds};
 pub use transient::{Course, LoadOn, Transient, TransientLoad, TransientStart};
 pub use updating::{Updating, UpdatingDone};
-pub use virtual_test::{Backbone, KeptRecords, TestLoop, TestScene, TestStop};
+pub use virtual_test::{Backbone, KeptRecords, TestLoop, TestScene, TestSensor, TestStop};
 
 use std::path::PathBuf;
 

@@ -8,8 +8,8 @@ use nlmodes_linalg::sparse_from_triplets;
 use nlmodes_modal::{LinearModes, ModalError};
 use nlmodes_model::{Contact, ContactLaw, Dof, DofKind, Drop, MasslessContactModel, Side, StructuralModel};
 use nlmodes_rig::{
-    ControlledHarmonics, DrivePoint, Exciter, LevelOutcome, LinearStructure, ModalReduction, MotionQuantity, RigError,
-    RigSetup, Sensor, SensorPlace, Stop, VirtualTest,
+    Chain, ControlledHarmonics, DrivePoint, Exciter, LevelOutcome, LinearStructure, ModalReduction, MotionQuantity,
+    RigError, RigSetup, Sensor, SensorPlace, Stop, VirtualTest,
 };
 
 use crate::branches::{Ended, Watch};
@@ -81,28 +81,47 @@ pub struct Bench {
     pub noise: BenchNoise,
     /// Its seed.
     pub seed: u64,
+    /// What else lies between quantities and samples, by the name of the channel.
+    pub chains: Vec<(String, Chain)>,
+}
+
+/// The names of the channels of a bench with so many accelerometers, with or without a stop.
+pub fn channel_names(accelerometers: usize, stop: bool) -> Vec<String> {
+    let mut names: Vec<String> = ["force_N", "x_drive_m", "v_drive_mps"].map(str::to_owned).to_vec();
+    names.extend((1..=accelerometers).map(|i| format!("a{i}_mps2")));
+    if stop {
+        names.extend(["x_stop_m", "v_stop_mps", "f_contact_N"].map(str::to_owned));
+    }
+    names
 }
 
 impl Bench {
     /// The rig: shapes and residual flexibilities of the reduction, frequencies and damping of the bench.
     pub fn setup(&self, reduction: &ModalReduction) -> RigSetup {
-        let mut sensors = vec![
-            Sensor::new("force_N", SensorPlace::Excitation, self.noise.force),
-            Sensor::new("x_drive_m", SensorPlace::DrivePoint(MotionQuantity::Displacement), self.noise.displacement),
-            Sensor::new("v_drive_mps", SensorPlace::DrivePoint(MotionQuantity::Velocity), self.noise.velocity),
+        let mut places = vec![
+            (SensorPlace::Excitation, self.noise.force),
+            (SensorPlace::DrivePoint(MotionQuantity::Displacement), self.noise.displacement),
+            (SensorPlace::DrivePoint(MotionQuantity::Velocity), self.noise.velocity),
         ];
-        sensors.extend(self.accelerometers.iter().enumerate().map(|(i, point)| {
+        places.extend(self.accelerometers.iter().map(|point| {
             let shape = reduction.shape(&point.weights);
             let place = SensorPlace::Point { motion: MotionQuantity::Acceleration, position: point.position, shape };
-            Sensor::new(format!("a{}_mps2", i + 1), place, self.noise.acceleration)
+            (place, self.noise.acceleration)
         }));
         if self.stop.is_some() {
-            sensors.extend([
-                Sensor::new("x_stop_m", SensorPlace::StopPoint(MotionQuantity::Displacement), self.noise.displacement),
-                Sensor::new("v_stop_mps", SensorPlace::StopPoint(MotionQuantity::Velocity), self.noise.velocity),
-                Sensor::new("f_contact_N", SensorPlace::Stop, self.noise.contact_force),
+            places.extend([
+                (SensorPlace::StopPoint(MotionQuantity::Displacement), self.noise.displacement),
+                (SensorPlace::StopPoint(MotionQuantity::Velocity), self.noise.velocity),
+                (SensorPlace::Stop, self.noise.contact_force),
             ]);
         }
+        let chain = |name: &str| self.chains.iter().find(|(of, _)| of == name).map(|(_, chain)| chain.clone());
+        let names = channel_names(self.accelerometers.len(), self.stop.is_some());
+        let sensors = names.into_iter().zip(places).map(|(name, (place, noise))| Sensor {
+            chain: chain(&name).unwrap_or_default(),
+            ..Sensor::new(name, place, noise)
+        });
+        let sensors = sensors.collect();
         RigSetup {
             structure: LinearStructure { omega: self.omega.clone(), damping_ratios: self.damping_ratios.clone() },
             drive_point: DrivePoint {
@@ -250,7 +269,7 @@ pub fn run_while(
     watch: &Watch,
     mut observe: impl FnMut(&TestLevel) -> ControlFlow<()>,
 ) -> TestRun {
-    let mut levels = Vec::with_capacity(test.schedule.levels.len());
+    let mut levels = Vec::with_capacity(test.control.schedule.count);
     let asking = watch.clone();
     let asked = move || match asking.begins("bringing the rig to its next level") {
         Ok(()) => ControlFlow::Continue(()),

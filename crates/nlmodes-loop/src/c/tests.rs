@@ -40,12 +40,12 @@ fn both() -> (CSettings, TestSettings) {
     (c.lowest_rad_s, c.highest_rad_s, c.quantity, c.detector, c.controlled) = (200.0, 300.0, 2, 2, 1);
     (c.lag_rad, c.cut_off_rad_s, c.proportional_1_s, c.integral_1_s2) = (1.5, 20.0, 6.0, 9.0);
     (c.smallest_force_n, c.smallest_response, c.lock_tolerance_rad, c.lock_duration_s) = (0.01, 0.02, 0.03, 0.04);
-    (c.amplitude_rate_1_s, c.smallest_drive, c.level_count) = (0.7, 0.06, 2);
+    (c.amplitude_rate_1_s, c.amplitude_gain, c.smallest_drive, c.level_count) = (0.7, 0.8, 0.06, 2);
     c.levels[..2].copy_from_slice(&[0.5, 0.9]);
     (c.window_periods, c.windows, c.controlled_harmonics) = (3, 4, 3);
     (c.ramp_s, c.start_s, c.record_s, c.longest_hold_s) = (0.11, 0.12, 0.13, 0.9);
     (c.settled_lag_rad, c.settled_frequency_drift_1_s, c.settled_amplitude_drift_1_s) = (0.1, 0.2, 0.3);
-    (c.settled_amplitude, c.settled_confidence) = (0.4, 2.0);
+    (c.settled_amplitude, c.settled_spread, c.settled_harmonics, c.settled_confidence) = (0.4, 0.5, 0.6, 2.0);
     (c.largest_drive, c.largest_stroke_m, c.largest_contact_force_n, c.largest_force_n) = (3.0, 0.1, 70.0, 80.0);
     (c.longest_silence_s, c.stop_duration_s) = (0.05, 0.06);
     (c.harmonics_rate_1_s, c.harmonics_largest) = (3.0, 0.6);
@@ -68,6 +68,8 @@ fn both() -> (CSettings, TestSettings) {
         frequency_drift: 0.2,
         amplitude_drift: 0.3,
         amplitude: 0.4,
+        spread: 0.5,
+        harmonics: 0.6,
         confidence: 2.0,
         longest: 0.9,
     };
@@ -83,7 +85,7 @@ fn both() -> (CSettings, TestSettings) {
             lock: LockSettings { tolerance: 0.03, duration: 0.04 },
             ..LoopSettings::new(RESONANCE, 248.0, STEP)
         },
-        amplitude: AmplitudeSettings { controlled: Controlled::Force, rate: 0.7, smallest: 0.06 },
+        amplitude: AmplitudeSettings { controlled: Controlled::Force, rate: 0.7, gain: 0.8, smallest: 0.06 },
         schedule: LevelSchedule {
             ramp: 0.11,
             start: 0.12,

@@ -30,7 +30,9 @@ fn settings(levels: &[f64]) -> TestSettings {
 }
 
 fn controlled(controlled: Controlled) -> AmplitudeSettings {
-    AmplitudeSettings { controlled, rate: 0.25 * DAMPING * OMEGA, smallest: 0.05 }
+    let response = AmplitudeSettings::response(&settings(&[]).phase, 0.05);
+    let gain = if controlled == Controlled::Response { response.gain } else { 0.0 };
+    AmplitudeSettings { controlled, gain, ..response }
 }
 
 /// 1 kg on a spring, with a stop of this stiffness, N/m, under a force of `gain` a unit of the drive.

@@ -3,10 +3,10 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use nlmodes_experiment::extraction::{self, ExtractionSettings, RecordExtraction, extract};
-use nlmodes_experiment::phase_loop::{LoopSettings, Resonance};
+use nlmodes_experiment::phase_loop::{LevelSchedule, LoopSettings, Resonance, TestSettings};
 use nlmodes_experiment::records::{Recording, write_record};
 use nlmodes_modal::LinearModes;
-use nlmodes_rig::{Exciter, LevelOutcome, RigSetup, Schedule, Session, Shaker, VirtualTest};
+use nlmodes_rig::{ControlChannels, Exciter, LevelOutcome, RigSetup, Session, Shaker, VirtualTest};
 
 use crate::analysis::figures;
 use crate::beam;
@@ -22,13 +22,12 @@ fn linear_modes(setup: &RigSetup) -> LinearModes {
 
 fn outcomes() -> (VirtualTest, Vec<LevelOutcome>) {
     let resonance = Resonance { omega: TAU * beam::FREQUENCIES_HZ[0], damping_ratio: beam::DAMPING_RATIOS[0] };
+    let phase = LoopSettings::new(resonance, TAU * 40.0, beam::INTERVAL);
     let test = VirtualTest {
         rig: beam::with_noise(beam::setup(Exciter::Shaker(Shaker::default()))),
-        settings: LoopSettings::new(resonance, TAU * 40.0, beam::INTERVAL),
-        force: beam::FORCE,
-        response: beam::DRIVE_DISPLACEMENT,
+        control: TestSettings::new(phase, LevelSchedule::new(&[0.75, 2.0]).unwrap()),
+        channels: ControlChannels::new(beam::FORCE, beam::DRIVE_DISPLACEMENT),
         harmonics: None,
-        schedule: Schedule::new(vec![0.75, 2.0]),
     };
     let outcomes = test.run(|_| {}).unwrap();
     (test, outcomes)
@@ -70,8 +69,10 @@ fn records_of_the_rig_survive_each_file_format() {
     let rig = beam::with_noise(beam::setup(Exciter::IdealForce));
     let resonance = Resonance { omega: TAU * 40.1, damping_ratio: 0.0019 };
     let settings = LoopSettings::new(resonance, TAU * 40.0, beam::INTERVAL);
-    let mut session = Session::new(rig, settings, beam::FORCE, beam::DRIVE_DISPLACEMENT).unwrap();
-    session.ramp(5.0, 0.2).unwrap();
+    let control = TestSettings::new(settings, LevelSchedule::new(&[5.0]).unwrap());
+    let channels = ControlChannels::new(beam::FORCE, beam::DRIVE_DISPLACEMENT);
+    let mut session = Session::new(rig, &control, channels).unwrap();
+    session.go(5.0, 0.2).unwrap();
     let (record, _) = session.record(0.1).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let recording =

@@ -3,12 +3,12 @@
 use std::f64::consts::TAU;
 
 use nlmodes_experiment::extraction::{self, ExtractionSettings, Measured, ModeErrors, RecordExtraction, extract};
-use nlmodes_experiment::phase_loop::{LoopSettings, Resonance};
+use nlmodes_experiment::phase_loop::{LevelSchedule, LoopSettings, Resonance, TestSettings};
 use nlmodes_experiment::records::{Record, Role};
 use nlmodes_modal::LinearModes;
 use nlmodes_rig::{
-    ContactLaw, DrivePoint, Exciter, LinearStructure, MotionQuantity, RigSetup, Sensor, SensorPlace, Session, Side,
-    Stop,
+    ContactLaw, ControlChannels, DrivePoint, Exciter, LinearStructure, MotionQuantity, RigSetup, Sensor, SensorPlace,
+    Session, Side, Stop,
 };
 
 const RATE: f64 = 12_800.0;
@@ -91,11 +91,13 @@ fn random(seed: u64) -> Test {
 fn record(test: &Test) -> Record {
     let omega = test.setup.structure.omega[0];
     let resonance = Resonance { omega, damping_ratio: test.setup.structure.damping_ratios[0] };
-    let settings = LoopSettings::new(resonance, omega, 1.0 / RATE);
-    let mut session = Session::new(test.setup.clone(), settings, 0, 1).unwrap();
-    session.hold_frequency_at(1.005 * omega).unwrap();
-    session.ramp(test.level, 0.2).unwrap();
-    session.run(12.0 / (test.setup.structure.damping_ratios[0] * omega)).unwrap();
+    let settings = LoopSettings::new(resonance, 1.005 * omega, 1.0 / RATE);
+    // Until the loop is switched on the frequency is that of the start.
+    let (ramp, start) = (0.2, 1e3);
+    let levels = LevelSchedule { ramp, start, ..LevelSchedule::new(&[test.level]).unwrap() };
+    let control = TestSettings::new(settings, levels);
+    let mut session = Session::new(test.setup.clone(), &control, ControlChannels::new(0, 1)).unwrap();
+    session.run(ramp + 12.0 / (test.setup.structure.damping_ratios[0] * omega)).unwrap();
     session.record(40.3 * TAU / omega).unwrap().0
 }
 

@@ -2,10 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use nlmodes_experiment::phase_loop::{LoopSettings, Resonance};
+use nlmodes_experiment::phase_loop::{LevelSchedule, LoopSettings, Resonance, SteadyCriteria, TestSettings};
 use nlmodes_linalg::{DenseLu, Mat};
 use nlmodes_modal::HarmonicBasis;
-use nlmodes_rig::{Exciter, Hold, RigSetup, Session};
+use nlmodes_rig::{ControlChannels, Exciter, RigSetup, Session};
 use num_complex::Complex64;
 
 use crate::analysis::{amplitudes, samples};
@@ -120,15 +120,21 @@ fn a_level_has_the_frequency_of_the_damped_forced_response() {
     let setup = beam::setup(Exciter::IdealForce);
     let resonance = Resonance { omega: TAU * beam::FREQUENCIES_HZ[0], damping_ratio: beam::DAMPING_RATIOS[0] };
     let settings = LoopSettings::new(resonance, TAU * 40.0, beam::INTERVAL);
-    let mut session = Session::new(setup.clone(), settings, beam::FORCE, beam::DRIVE_DISPLACEMENT).unwrap();
-    session.hold_frequency(true);
-    session.ramp(4.4, 1.0).unwrap();
-    session.run(1.0).unwrap();
-    session.hold_frequency(false);
-    session.ramp(5.4, 2.0).unwrap();
-    let strict = Hold { lag: 1e-4, frequency_drift: 1e-7, amplitude_drift: 1e-6, spread: 1e-5, ..Hold::default() };
-    let settling = session.settle(&strict).unwrap();
-    assert!(settling.findings.is_empty(), "{:?}", settling.findings);
+    let control = TestSettings::new(settings, LevelSchedule::new(&[4.4]).unwrap());
+    let channels = ControlChannels::new(beam::FORCE, beam::DRIVE_DISPLACEMENT);
+    let mut session = Session::new(setup.clone(), &control, channels).unwrap();
+    session.run(2.0).unwrap();
+    session.go(5.4, 2.0).unwrap();
+    let strict = SteadyCriteria {
+        lag: 1e-4,
+        frequency_drift: 1e-7,
+        amplitude_drift: 1e-6,
+        spread: 1e-5,
+        confidence: 0.0,
+        ..SteadyCriteria::default()
+    };
+    let (_, findings) = session.settle(&strict).unwrap();
+    assert!(findings.is_empty(), "{findings:?}");
     let (record, steady) = session.record(1.0).unwrap();
     // Newton's method from the recorded contact force, in the phase of the measured one.
     let turn = Complex64::cis(-amplitudes(&record, "force", 1)[0].arg());

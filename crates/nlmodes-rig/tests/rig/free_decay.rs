@@ -3,12 +3,12 @@
 use std::f64::consts::TAU;
 
 use nlmodes_experiment::extraction::{ExtractionSettings, free_decay};
-use nlmodes_experiment::phase_loop::{LoopSettings, Resonance};
+use nlmodes_experiment::phase_loop::{LevelSchedule, LoopSettings, Resonance, TestSettings};
 use nlmodes_experiment::records::Record;
 use nlmodes_modal::LinearModes;
 use nlmodes_rig::{
-    ContactLaw, DrivePoint, Exciter, LinearStructure, MotionQuantity, RigSetup, Sensor, SensorPlace, Session, Side,
-    Stop,
+    ContactLaw, ControlChannels, DrivePoint, Exciter, LinearStructure, MotionQuantity, RigSetup, Sensor, SensorPlace,
+    Session, Side, Stop,
 };
 
 const OMEGA: f64 = TAU * 40.0;
@@ -41,8 +41,9 @@ fn record(with_stop: bool, noise: f64) -> Record {
         seed: 5,
     };
     let settings = LoopSettings::new(Resonance { omega: OMEGA, damping_ratio: ZETA }, OMEGA - 2.0, 1.0 / RATE);
-    let mut session = Session::new(setup, settings, 0, 1).unwrap();
-    session.ramp(0.6, 1.0).unwrap();
+    let control = TestSettings::new(settings, LevelSchedule::new(&[0.6]).unwrap());
+    let mut session = Session::new(setup, &control, ControlChannels::new(0, 1)).unwrap();
+    session.go(0.6, 1.0).unwrap();
     session.run(6.0).unwrap();
     let (mut record, _) = session.record(1.0).unwrap();
     let (free, _) = session.record_ramp(0.0, 1.0 / RATE).unwrap();

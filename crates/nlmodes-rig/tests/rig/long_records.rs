@@ -3,12 +3,12 @@
 use std::f64::consts::TAU;
 
 use nlmodes_experiment::extraction::{ExtractionSettings, Steadiness, extract, steady_stretches};
-use nlmodes_experiment::phase_loop::{LoopSettings, Resonance};
+use nlmodes_experiment::phase_loop::{LevelSchedule, LoopSettings, Resonance, TestSettings};
 use nlmodes_experiment::records::Record;
 use nlmodes_modal::LinearModes;
 use nlmodes_rig::{
-    ContactLaw, DrivePoint, Exciter, LinearStructure, MotionQuantity, RigSetup, Sensor, SensorPlace, Session, Side,
-    Stop,
+    ContactLaw, ControlChannels, DrivePoint, Exciter, LinearStructure, MotionQuantity, RigSetup, Sensor, SensorPlace,
+    Session, Side, Stop,
 };
 
 const OMEGA: f64 = TAU * 40.0;
@@ -31,7 +31,8 @@ fn session(noise: f64, stop: Option<Stop>) -> Session {
         seed: 3,
     };
     let settings = LoopSettings::new(Resonance { omega: OMEGA, damping_ratio: ZETA }, OMEGA - 2.0, 1.0 / RATE);
-    Session::new(setup, settings, 0, 1).unwrap()
+    let control = TestSettings::new(settings, LevelSchedule::new(&[0.5]).unwrap());
+    Session::new(setup, &control, ControlChannels::new(0, 1)).unwrap()
 }
 
 /// The record of all levels, with the first sample and the end of each after its ramp (s) and before the next one.
@@ -91,7 +92,7 @@ fn nothing_is_found_in_a_ramp_and_everything_in_one_level() {
     let found = steady_stretches(&record, &settings(), &Steadiness::default()).unwrap();
     assert!(found.iter().all(|stretch| stretch.end <= 2400), "{found:?}");
     let mut steady = session(1e-4, None);
-    steady.ramp(0.5, 0.5).unwrap();
+    steady.go(0.5, 0.5).unwrap();
     steady.run(4.0).unwrap();
     let (record, _) = steady.record(2.0).unwrap();
     let found = steady_stretches(&record, &settings(), &Steadiness::default()).unwrap();

@@ -2,6 +2,8 @@
 
 mod analysis;
 mod beam;
+mod chains;
+mod closed_loop;
 mod extracted;
 mod force_by_balance;
 mod forced_response;

@@ -2,8 +2,10 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use nlmodes_experiment::phase_loop::{Gains, LoopSettings, PhaseLoopError, Resonance};
-use nlmodes_rig::{Exciter, Hold, RigError, RigSetup, Schedule, Session, Shaker, VirtualTest};
+use nlmodes_experiment::phase_loop::{
+    Gains, LevelSchedule, LoopSettings, PhaseLoopError, Resonance, SteadyCriteria, TestSettings,
+};
+use nlmodes_rig::{ControlChannels, Drive, Exciter, RigError, RigSetup, Session, Shaker, VirtualRig, VirtualTest};
 use num_complex::Complex64;
 
 use crate::analysis::{Figures, amplitudes, figures, samples};
@@ -15,16 +17,17 @@ fn settings() -> LoopSettings {
     LoopSettings::new(RESONANCE, TAU * 40.0, INTERVAL)
 }
 
-fn session(setup: &RigSetup, settings: LoopSettings) -> Session {
-    Session::new(setup.clone(), settings, FORCE, DRIVE_DISPLACEMENT).unwrap()
+fn channels() -> ControlChannels {
+    ControlChannels::new(FORCE, DRIVE_DISPLACEMENT)
 }
 
-/// Rises to `level` with frozen frequency, then starts the loop.
-fn start(session: &mut Session, level: f64) {
-    session.hold_frequency(true);
-    session.ramp(level, 1.0).unwrap();
-    session.run(1.0).unwrap();
-    session.hold_frequency(false);
+/// A loop that has just been started, after a second at `level` with frozen frequency.
+fn started(setup: &RigSetup, settings: LoopSettings, level: f64) -> Session {
+    let control = TestSettings::new(settings, LevelSchedule::new(&[level]).unwrap());
+    let mut session = Session::new(setup.clone(), &control, channels()).unwrap();
+    session.run(2.0).unwrap();
+    session.go(level, 0.0).unwrap();
+    session
 }
 
 /// Complex response at the shape `shape` per unit force at the drive point, from the modal equations.
@@ -58,8 +61,7 @@ fn the_linear_beam_is_found_at_its_phase_resonance_with_its_damping() {
     let setup = beam::setup(Exciter::IdealForce);
     let expected = linear_phase_resonance(&setup) / TAU;
     assert!((expected - 40.10075).abs() < 1e-5, "{expected}");
-    let mut session = session(&setup, settings());
-    start(&mut session, 3.0);
+    let mut session = started(&setup, settings(), 3.0);
     session.run(20.0).unwrap();
     let (record, steady) = session.record(1.0).unwrap();
     assert!((steady.omega / TAU - expected).abs() < 1e-5, "{}", steady.omega / TAU);
@@ -78,10 +80,9 @@ fn contact_begins_at_the_force_of_the_linear_response() {
     let tip = receptance(&setup, &setup.stop.as_ref().unwrap().shape, 0.0, linear_phase_resonance(&setup));
     let touching = beam::GAP / tip.norm();
     assert!((touching - 4.303).abs() < 1e-3, "{touching}");
-    let mut session = session(&setup, settings());
-    start(&mut session, 0.997 * touching);
+    let mut session = started(&setup, settings(), 0.997 * touching);
     for (factor, contact) in [(0.997, false), (1.003, true)] {
-        session.ramp(factor * touching, 0.5).unwrap();
+        session.go(factor * touching, 0.5).unwrap();
         session.run(12.0).unwrap();
         let (record, steady) = session.record(0.5).unwrap();
         let largest = samples(&record, "f_contact").iter().fold(0.0f64, |a, b| a.max(*b));
@@ -95,11 +96,9 @@ fn contact_begins_at_the_force_of_the_linear_response() {
 fn the_shaker_goes_up_the_backbone_at_ninety_degrees() {
     let test = VirtualTest {
         rig: beam::with_noise(beam::setup(Exciter::Shaker(Shaker::default()))),
-        settings: settings(),
-        force: FORCE,
-        response: DRIVE_DISPLACEMENT,
+        control: TestSettings::new(settings(), LevelSchedule::new(&[0.25, 0.75, 1.2, 2.0, 3.0]).unwrap()),
+        channels: channels(),
         harmonics: None,
-        schedule: Schedule::new(vec![0.25, 0.75, 1.2, 2.0, 3.0]),
     };
     let outcomes = test.run(|_| {}).unwrap();
     let all: Vec<Figures> = outcomes.iter().map(|o| figures(&test.rig, &o.record, o.steady.omega, 100)).collect();
@@ -125,16 +124,15 @@ fn the_shaker_goes_up_the_backbone_at_ninety_degrees() {
 
 /// Frequency at the end of a settled level.
 fn settled(session: &mut Session, level: f64) -> f64 {
-    session.ramp(level, 1.0).unwrap();
-    let settling = session.settle(&Hold::default()).unwrap();
-    assert!(settling.findings.is_empty(), "{level} N: {:?}", settling.findings);
-    settling.steady.omega / TAU
+    session.go(level, 1.0).unwrap();
+    let (_, findings) = session.settle(&SteadyCriteria::default()).unwrap();
+    assert!(findings.is_empty(), "{level} N: {findings:?}");
+    session.record(1.0).unwrap().1.omega / TAU
 }
 
 #[test]
 fn two_motions_coexist_at_five_newton() {
-    let mut session = session(&beam::setup(Exciter::IdealForce), settings());
-    start(&mut session, 4.6);
+    let mut session = started(&beam::setup(Exciter::IdealForce), settings(), 4.6);
     let up = settled(&mut session, 5.0);
     settled(&mut session, 5.4);
     settled(&mut session, 5.2);
@@ -144,25 +142,48 @@ fn two_motions_coexist_at_five_newton() {
 
 #[test]
 fn without_control_the_response_falls() {
-    let mut controlled = session(&beam::setup(Exciter::IdealForce), settings());
-    start(&mut controlled, 4.0);
-    controlled.ramp(6.5, 1.0).unwrap();
+    let mut controlled = started(&beam::setup(Exciter::IdealForce), settings(), 4.0);
+    controlled.go(6.5, 1.0).unwrap();
     controlled.run(10.0).unwrap();
-    let locked = controlled.window(200).unwrap();
+    let (_, locked) = controlled.record(5.0).unwrap();
     assert!((locked.lag - FRAC_PI_2).abs() < 0.05, "{locked:?}");
-    let mut held = controlled.clone();
-    held.hold_frequency_at(locked.omega).unwrap();
+    let (mut generated, mut theta) = (controlled.rig().clone(), controlled.state().phase().drive_phase());
     // Three percent less force for two seconds: enough to pass the fold of the frequency response.
-    for session in [&mut controlled, &mut held] {
-        session.ramp(0.97 * 6.5, 0.5).unwrap();
-        session.run(2.0).unwrap();
-        session.ramp(6.5, 0.5).unwrap();
-        session.run(6.0).unwrap();
-    }
-    let (with, without) = (controlled.window(100).unwrap(), held.window(40).unwrap());
-    assert_eq!(held.state().omega(), locked.omega);
+    controlled.go(0.97 * 6.5, 0.5).unwrap();
+    controlled.run(2.0).unwrap();
+    controlled.go(6.5, 0.5).unwrap();
+    controlled.run(6.0).unwrap();
+    let (_, with) = controlled.record(2.5).unwrap();
+    let mut generate = |from: f64, to: f64, duration: f64| {
+        generated_response(&mut generated, &mut theta, locked.omega, [from, to], duration)
+    };
+    generate(6.5, 0.97 * 6.5, 0.5);
+    generate(0.97 * 6.5, 0.97 * 6.5, 2.0);
+    generate(0.97 * 6.5, 6.5, 0.5);
+    generate(6.5, 6.5, 6.0);
+    let without = generate(6.5, 6.5, 1.0);
     assert!((with.response / locked.response - 1.0).abs() < 0.01, "{with:?} {locked:?}");
-    assert!(without.response < 0.2 * locked.response && without.lag > 2.5, "{without:?}");
+    // The drive is a cosine: the phase of the response is its lag, with the sign reversed.
+    assert!(without.norm() < 0.2 * locked.response && (-without.arg()).rem_euclid(TAU) > 2.5, "{without}");
+}
+
+/// Drives with a generator of constant frequency, and the fundamental of the response, m.
+fn generated_response(
+    rig: &mut VirtualRig,
+    theta: &mut f64,
+    omega: f64,
+    [from, to]: [f64; 2],
+    duration: f64,
+) -> Complex64 {
+    let samples = (duration / INTERVAL).round() as usize;
+    let at = |k: usize| from + (to - from) * k as f64 / samples as f64;
+    let mut sum = Complex64::ZERO;
+    for k in 0..samples {
+        sum += rig.exact(DRIVE_DISPLACEMENT).unwrap() * Complex64::cis(-*theta);
+        rig.advance(&Drive::sine([at(k), at(k + 1)], *theta, omega)).unwrap();
+        *theta += omega * INTERVAL;
+    }
+    sum * (2.0 / samples as f64)
 }
 
 #[test]
@@ -177,15 +198,15 @@ fn the_rig_is_stable_up_to_the_limit_of_routh_and_not_beyond() {
     let limit = Gains { proportional, integral: 0.0 }.integral_limit(RESONANCE, low_pass);
     let growth = |factor: f64| {
         let gains = Some(Gains { proportional, integral: factor * limit });
-        let mut session = session(&setup, LoopSettings { gains, ..settings.clone() });
-        session.hold_frequency(true);
-        session.ramp(3.0, 1.0).unwrap();
-        session.run(9.0).unwrap();
-        session.hold_frequency(false);
+        let levels = LevelSchedule { start: 9.0, ..LevelSchedule::new(&[3.0]).unwrap() };
+        let control = TestSettings::new(LoopSettings { gains, ..settings.clone() }, levels);
+        let mut session = Session::new(setup.clone(), &control, channels()).unwrap();
+        session.run(10.0).unwrap();
+        session.go(3.0, 0.0).unwrap();
         let mut swing = |seconds: usize| {
             (0..40 * seconds).fold(0.0f64, |m, _| {
                 session.run(0.025).unwrap();
-                m.max(session.state().error().unwrap().abs())
+                m.max(session.state().phase().error().unwrap().abs())
             })
         };
         let (early, _, late) = (swing(3), swing(6), swing(3));
@@ -194,6 +215,8 @@ fn the_rig_is_stable_up_to_the_limit_of_routh_and_not_beyond() {
     let (below, beyond) = (growth(0.9), growth(1.1));
     assert!(below < 0.5 && beyond > 2.0, "{below} {beyond}");
     let gains = Some(Gains { proportional, integral: 1.1 * limit });
-    let refused = Session::new(setup.clone(), LoopSettings { gains, resonance: RESONANCE, ..settings }, FORCE, 1);
+    let phase = LoopSettings { gains, resonance: RESONANCE, ..settings };
+    let control = TestSettings::new(phase, LevelSchedule::new(&[3.0]).unwrap());
+    let refused = Session::new(setup.clone(), &control, channels());
     assert!(matches!(refused.unwrap_err(), RigError::Loop(PhaseLoopError::UnstableGains { .. })));
 }

@@ -5,32 +5,30 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use nlmodes_experiment::phase_loop::{LoopSettings, Resonance, ResponseQuantity};
+use nlmodes_experiment::phase_loop::{
+    EmergencyReason, LevelSchedule, Limits, LoopSettings, PhaseLoopError, Resonance, ResponseQuantity, SteadyCriteria,
+    TestSettings,
+};
 use nlmodes_experiment::records::{Quantity, Role};
-use nlmodes_rig::{DRIVE_PHASE, Exciter, Finding, Hold, RigError, Schedule, Session, Shaker, VirtualTest};
+use nlmodes_rig::{ControlChannels, DRIVE_PHASE, Exciter, Finding, RigError, Session, Shaker, VirtualTest};
 
 use crate::analysis::samples;
 use crate::beam;
+
+fn channels() -> ControlChannels {
+    ControlChannels::new(beam::FORCE, beam::DRIVE_DISPLACEMENT)
+}
 
 /// Two short levels, far from steady.
 fn hasty(seed: u64) -> VirtualTest {
     let mut rig = beam::with_noise(beam::setup(Exciter::Shaker(Shaker::default())));
     rig.seed = seed;
     let resonance = Resonance { omega: TAU * 40.1, damping_ratio: 0.0019 };
-    VirtualTest {
-        rig,
-        settings: LoopSettings::new(resonance, TAU * 40.0, beam::INTERVAL),
-        force: beam::FORCE,
-        response: beam::DRIVE_DISPLACEMENT,
-        harmonics: None,
-        schedule: Schedule {
-            start: 0.2,
-            ramp: 0.1,
-            hold: Hold { longest: 1.0, ..Hold::default() },
-            record: 0.25,
-            ..Schedule::up_and_down(vec![0.5, 1.5])
-        },
-    }
+    let settling = SteadyCriteria { periods: 10, longest: 1.0, ..SteadyCriteria::default() };
+    let levels = LevelSchedule::new(&[0.5, 1.5, 0.5]).unwrap();
+    let levels = LevelSchedule { start: 0.2, ramp: 0.1, settling, record: 0.25, ..levels };
+    let phase = LoopSettings::new(resonance, TAU * 40.0, beam::INTERVAL);
+    VirtualTest { rig, control: TestSettings::new(phase, levels), channels: channels(), harmonics: None }
 }
 
 #[test]
@@ -73,9 +71,9 @@ fn a_level_is_interrupted_within_a_twentieth_of_a_second_of_the_motion() {
     });
     assert_eq!(outcome, Err(RigError::Interrupted));
     assert_eq!((asked.load(Ordering::Relaxed), levels), (2, 0));
-    let mut session = Session::new(hasty(7).rig, hasty(7).settings, beam::FORCE, beam::DRIVE_DISPLACEMENT)
-        .unwrap()
-        .asking(|| ControlFlow::Break(()));
+    let test = hasty(7);
+    let session = Session::new(test.rig, &test.control, test.channels).unwrap();
+    let mut session = session.asking(|| ControlFlow::Break(()));
     assert_eq!(session.run(1.0), Err(RigError::Interrupted));
     assert!(session.rig().time() < 0.05, "{} s", session.rig().time());
 }
@@ -102,23 +100,49 @@ fn loops_that_do_not_fit_the_rig_are_refused() {
         change(&mut changed);
         changed.run(|_| {}).unwrap_err()
     };
-    assert!(matches!(refused(&|t| t.settings.step = 1e-4), RigError::SamplingIntervals { .. }));
-    let velocity = refused(&|t| t.settings.quantity = ResponseQuantity::Velocity);
+    assert!(matches!(refused(&|t| t.control.phase.step = 1e-4), RigError::SamplingIntervals { .. }));
+    let velocity = refused(&|t| t.control.phase.quantity = ResponseQuantity::Velocity);
     assert!(matches!(velocity, RigError::ResponseQuantity { expected: "m/s", found: "m", .. }));
-    assert!(matches!(refused(&|t| t.response = 99), RigError::NoChannel { channel: 99, .. }));
-    assert!(matches!(refused(&|t| t.settings.cut_off = 1e3), RigError::Loop(_)));
-    assert!(matches!(refused(&|t| t.schedule.levels[0] = f64::NAN), RigError::NotFinite { .. }));
-    assert!(matches!(refused(&|t| t.schedule.hold.windows = 1), RigError::NotPositive { .. }));
+    assert!(matches!(refused(&|t| t.channels.response = 99), RigError::NoChannel { channel: 99, .. }));
+    assert!(matches!(refused(&|t| t.control.phase.cut_off = 1e3), RigError::Loop(_)));
+    assert!(matches!(
+        refused(&|t| t.control.schedule.levels[0] = f64::NAN),
+        RigError::Loop(PhaseLoopError::Negative { .. })
+    ));
+    assert!(matches!(
+        refused(&|t| t.control.schedule.settling.windows = 1),
+        RigError::Loop(PhaseLoopError::Windows { .. })
+    ));
 }
 
 #[test]
 fn a_loop_at_the_end_of_its_range_is_said_to_be_there() {
     let mut test = hasty(1);
-    test.settings.range = [TAU * 39.0, TAU * 40.05];
-    let mut session = Session::new(test.rig, test.settings, test.force, test.response).unwrap();
-    session.ramp(1.0, 0.5).unwrap();
-    let settling = session.settle(&Hold { longest: 4.0, ..Hold::default() }).unwrap();
-    let limit =
-        settling.findings.iter().any(|f| matches!(f, Finding::FrequencyLimit { omega } if *omega == TAU * 40.05));
-    assert!(limit, "{:?}", settling.findings);
+    test.control.phase.range = [TAU * 39.0, TAU * 40.05];
+    let mut session = Session::new(test.rig, &test.control, test.channels).unwrap();
+    session.go(1.0, 0.5).unwrap();
+    let (_, findings) = session.settle(&SteadyCriteria { longest: 4.0, ..SteadyCriteria::default() }).unwrap();
+    let limit = findings.iter().any(|f| matches!(f, Finding::FrequencyLimit { omega } if *omega == TAU * 40.05));
+    assert!(limit, "{findings:?}");
+}
+
+#[test]
+fn a_level_that_was_held_for_two_windows_is_not_judged() {
+    let mut test = hasty(1);
+    test.control.schedule.settling.periods = 20;
+    let outcomes = test.run(|_| {}).unwrap();
+    let expected = Finding::HeldTooShort { windows: 0, needed: 6 };
+    assert!(outcomes.iter().all(|outcome| outcome.findings == [expected]), "{:?}", outcomes[0].findings);
+    assert!(expected.to_string().contains("0 windows of 6") && expected.name() == "held-too-short");
+}
+
+#[test]
+fn a_limit_ends_the_test_and_needs_a_channel() {
+    let mut test = hasty(1);
+    test.control.limits = Limits { stroke: 1e-4, ..Limits::default() };
+    assert_eq!(test.check(), Err(RigError::LimitWithoutChannel { what: "stroke" }));
+    // The displacement of the tip.
+    test.channels.stroke = Some(3);
+    let ended = test.run(|_| {}).unwrap_err();
+    assert!(matches!(ended, RigError::Stopped { reason: EmergencyReason::Stroke, .. }), "{ended}");
 }

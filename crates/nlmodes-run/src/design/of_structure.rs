@@ -3,7 +3,8 @@
 use std::f64::consts::TAU;
 
 use nlmodes::experiment::extraction::ExtractionSettings;
-use nlmodes::rig::{Exciter, Schedule};
+use nlmodes::experiment::phase_loop::LevelSchedule;
+use nlmodes::rig::Exciter;
 use nlmodes_scene::scene::{ModeDamping, Place, SceneStructure, TestLoop, TestScene, TestStop};
 use nlmodes_scene::{SceneError, SceneFile, number};
 
@@ -68,9 +69,10 @@ pub fn of_structure(file: &SceneFile) -> Result<Assumed, RunError> {
         exciter: Exciter::IdealForce,
         noise: Default::default(),
         seed: 1,
+        sensors: Vec::new(),
         sample_rate: SAMPLE_RATE,
         control: TestLoop::default(),
-        schedule: Schedule::new(vec![1.0]),
+        schedule: levels(file, &[1.0])?,
         records: None,
         backbone: None,
         settings: ExtractionSettings { mode: scene.method.mode, ..ExtractionSettings::default() },
@@ -90,7 +92,7 @@ pub fn of_structure(file: &SceneFile) -> Result<Assumed, RunError> {
     }
     let rig = Rig::new(&test).map_err(|error| refusal::at(file, "structure", error.source.as_ref()))?;
     let grazing = grazing(&rig, &test);
-    test.schedule = Schedule::new(LEVELS.map(|level| level * grazing).to_vec());
+    test.schedule = levels(file, &LEVELS.map(|level| level * grazing))?;
     assumed.push(format!(
         "levels from {} to {} times the force of grazing, {} N",
         LEVELS[0],
@@ -110,6 +112,11 @@ fn grazing(rig: &Rig, test: &TestScene) -> f64 {
     let amplitude = rig.bench.stop.as_ref().map_or(0.0, |stop| stop.gap / shape(&stop.at.weights));
     let force = 2.0 * zeta * omega * omega * amplitude / shape(&rig.bench.drive.weights);
     if force > 0.0 && force.is_finite() { force } else { 1.0 }
+}
+
+/// Levels in their order, with the default times.
+fn levels(file: &SceneFile, levels: &[f64]) -> Result<LevelSchedule, RunError> {
+    LevelSchedule::new(levels).map_err(|error| refusal::at(file, "structure", &error))
 }
 
 fn refused(file: &SceneFile, key: &str, title: &str, help: &str) -> RunError {

@@ -26,7 +26,7 @@ pub fn in_words(design: &Design) -> String {
         control.integral_1_s2.map_or_else(|| "–".into(), text),
         text(control.sample_rate_hz)
     ));
-    let head = ["level, ", "frequency, Hz", "force, N", "stroke, m", "contact, N", "settles in, s", "held"];
+    let head = ["level, ", "frequency, Hz", "force, N", "stroke, m", "contact, N", "settles in, s", "|μ|", "held"];
     let mut head = head.map(str::to_owned);
     head[0] += design.level_unit;
     lines.push(row(head));
@@ -41,9 +41,11 @@ pub fn in_words(design: &Design) -> String {
             peak("x_drive_m"),
             peak("f_contact_N"),
             text(level.settling_s),
+            level.largest_multiplier.map_or_else(|| "–".to_owned(), text),
             held,
         ]));
     }
+    lines.extend(design.levels.iter().filter_map(|level| level.announced.clone()));
     if !design.ranges.is_empty() {
         lines.push("sensors: largest reading, and range to choose".to_owned());
     }

@@ -83,6 +83,7 @@ impl Rig {
             interval: 1.0 / scene.sample_rate,
             noise: scene.noise,
             seed: scene.seed,
+            chains: scene.sensors.iter().map(|sensor| (sensor.channel.clone(), sensor.chain())).collect(),
         };
         moves(scene, (&elements, &model, &reduction), &bench.drive)?;
         let modes = bench.linear_modes(&reduction).map_err(at("virtual_test"))?;

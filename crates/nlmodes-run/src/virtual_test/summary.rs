@@ -36,13 +36,13 @@ pub fn level(level: &TestLevel) -> Value {
     json!({
         "drive": outcome.level,
         "start_s": outcome.start,
-        "held_s": outcome.settling.duration,
+        "held_s": outcome.settling,
         "settled": outcome.findings.is_empty(),
         "frequency_hz": steady.omega / TAU,
         "lag_deg": steady.lag.to_degrees(),
         "force_n": steady.force,
         "response_m": steady.response,
-        "period_spread": steady.spread,
+        "period_spread": outcome.drifts.spread,
         "findings": findings.collect::<Vec<_>>(),
     })
 }

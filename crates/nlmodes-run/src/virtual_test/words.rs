@@ -12,12 +12,12 @@ pub fn in_words(scene: &TestScene, number: usize, level: &TestLevel) -> String {
     let (outcome, steady) = (&level.outcome, &level.outcome.steady);
     let mut text = format!(
         "level {number} of {}: {} {}, {:.4} Hz, lag {:.3}°, held for {:.1} s",
-        scene.schedule.levels.len(),
+        scene.schedule.count,
         nlmodes_scene::number(outcome.level),
         scene.exciter.unit(),
         steady.omega / TAU,
         steady.lag.to_degrees(),
-        outcome.settling.duration
+        outcome.settling
     );
     match &level.extraction {
         Ok(found) => {

@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use nlmodes::experiment::extraction::ExtractionSettings;
-use nlmodes::rig::{Exciter, Hold, Schedule, Shaker};
-use nlmodes::virtual_test::BenchNoise;
+use nlmodes::experiment::phase_loop::{LevelSchedule, MAX_LEVELS, SteadyCriteria};
+use nlmodes::rig::{Exciter, Shaker};
+use nlmodes::virtual_test::{BenchNoise, FORCE, channel_names};
 
 use crate::raw::{RawExciter, RawExtraction, RawNoise, RawSchedule, RawTestScene, RawVirtualTest};
 use crate::rule::number;
@@ -26,12 +27,13 @@ pub fn scene(raw: &RawTestScene, stem: &str, base: &Path, diagnostics: &mut Diag
     positions(test, raw.structure.length_m, diagnostics);
     let damping_ratios = damping_ratios(raw, diagnostics);
     let modes = modes(raw, damping_ratios.as_deref(), diagnostics);
+    sensors(test, diagnostics);
     let exciter = exciter(test.exciter.as_ref(), diagnostics);
     let schedule = schedule(&test.schedule, exciter, diagnostics);
     let settings = settings(raw.extraction.as_ref(), modes, diagnostics);
     let records = test.records.clone();
     if let (Some(records), Some(schedule)) = (&records, &schedule) {
-        kept_levels(records, schedule.levels.len(), diagnostics);
+        kept_levels(records, schedule.count, diagnostics);
     }
     let sample_rate = test.sample_rate_hz.unwrap_or(SAMPLE_RATE);
     if let Some(schedule) = &schedule {
@@ -53,6 +55,7 @@ pub fn scene(raw: &RawTestScene, stem: &str, base: &Path, diagnostics: &mut Diag
         exciter,
         noise: noise(test.noise.as_ref()),
         seed: u64::from(test.seed.unwrap_or(1)),
+        sensors: test.sensor.clone().unwrap_or_default(),
         sample_rate,
         control: test.control.unwrap_or_default(),
         schedule: schedule?,
@@ -74,8 +77,8 @@ pub fn scene(raw: &RawTestScene, stem: &str, base: &Path, diagnostics: &mut Diag
 /// The longest that the test can take, over all levels.
 fn duration(scene: &TestScene, diagnostics: &mut Diagnostics<'_>) {
     let schedule = &scene.schedule;
-    let level = schedule.ramp + schedule.hold.longest + schedule.record;
-    let samples = level * schedule.levels.len() as f64 * scene.sample_rate;
+    let level = schedule.ramp + schedule.settling.longest + schedule.record;
+    let samples = level * schedule.count as f64 * scene.sample_rate;
     // Also what is not finite.
     let sound = samples <= MAX_TEST_SAMPLES;
     if !sound {
@@ -84,6 +87,26 @@ fn duration(scene: &TestScene, diagnostics: &mut Diagnostics<'_>) {
         );
         let label = format!("expected at most {} samples over all levels", number(MAX_TEST_SAMPLES));
         diagnostics.put("virtual_test.schedule", diagnostic, label);
+    }
+}
+
+/// Each sensor is a channel of the rig, and described once.
+fn sensors(test: &RawVirtualTest, diagnostics: &mut Diagnostics<'_>) {
+    let channels = channel_names(test.accelerometers_m.as_ref().map_or(0, Vec::len), test.stop.is_some());
+    let sensors = test.sensor.as_deref().unwrap_or_default();
+    for (i, sensor) in sensors.iter().enumerate() {
+        let path = format!("virtual_test.sensor.{i}.channel");
+        if !channels.contains(&sensor.channel) {
+            let diagnostic = Diagnostic::error(format!("the rig has no channel \"{}\"", sensor.channel));
+            diagnostics.put(&path, diagnostic, format!("expected one of {}", channels.join(", ")));
+        } else if sensors[..i].iter().any(|other| other.channel == sensor.channel) {
+            let diagnostic = Diagnostic::error(format!("channel \"{}\" is described twice", sensor.channel));
+            diagnostics.put(&path, diagnostic, "expected each once");
+        } else if sensor.mass_kg > 0.0 && sensor.channel != channels[FORCE] {
+            let path = format!("virtual_test.sensor.{i}.mass_kg");
+            let diagnostic = Diagnostic::error(format!("the sensor of \"{}\" has no moving mass", sensor.channel));
+            diagnostics.put(&path, diagnostic, format!("only the force cell, \"{}\", has one", channels[FORCE]));
+        }
     }
 }
 
@@ -187,7 +210,7 @@ fn exciter(raw: Option<&RawExciter>, diagnostics: &mut Diagnostics<'_>) -> Excit
     })
 }
 
-fn schedule(raw: &RawSchedule, exciter: Exciter, diagnostics: &mut Diagnostics<'_>) -> Option<Schedule> {
+fn schedule(raw: &RawSchedule, exciter: Exciter, diagnostics: &mut Diagnostics<'_>) -> Option<LevelSchedule> {
     let ((key, levels), (other, wrong), kind) = match exciter {
         Exciter::Shaker(_) => (("levels_v", &raw.levels_v), ("levels_n", &raw.levels_n), "a shaker"),
         Exciter::IdealForce => (("levels_n", &raw.levels_n), ("levels_v", &raw.levels_v), "an ideal force"),
@@ -205,22 +228,29 @@ fn schedule(raw: &RawSchedule, exciter: Exciter, diagnostics: &mut Diagnostics<'
         let diagnostic = Diagnostic::error(format!("`{path}` is missing"));
         diagnostics.put(&path, diagnostic, format!("expected `{key}` in this table: levels of {kind}"));
     }
-    let levels = levels.clone()?;
-    let schedule = match raw.order.unwrap_or(LevelOrder::Once) {
-        LevelOrder::Once => Schedule::new(levels),
-        LevelOrder::ThereAndBack => Schedule::up_and_down(levels),
+    let mut levels = levels.clone()?;
+    if raw.order == Some(LevelOrder::ThereAndBack) {
+        levels.extend_from_within(..levels.len().saturating_sub(1));
+        let back = levels.len().div_ceil(2);
+        levels[back..].reverse();
+    }
+    let Ok(schedule) = LevelSchedule::new(&levels) else {
+        let diagnostic = Diagnostic::error(format!("the schedule has {} levels", levels.len()));
+        let label = format!("expected at most {MAX_LEVELS}, those of the way back included");
+        diagnostics.put(&path, diagnostic, label);
+        return None;
     };
-    let hold = Hold::default();
-    Some(Schedule {
+    let settling = SteadyCriteria::default();
+    Some(LevelSchedule {
         ramp: raw.ramp_s.unwrap_or(schedule.ramp),
         record: raw.record_s.unwrap_or(schedule.record),
-        hold: Hold {
-            lag: raw.lag_tolerance_deg.map_or(hold.lag, f64::to_radians),
-            frequency_drift: raw.frequency_drift_1_s.unwrap_or(hold.frequency_drift),
-            amplitude_drift: raw.amplitude_drift_1_s.unwrap_or(hold.amplitude_drift),
-            spread: raw.period_spread.unwrap_or(hold.spread),
-            longest: raw.longest_hold_s.unwrap_or(hold.longest),
-            ..hold
+        settling: SteadyCriteria {
+            lag: raw.lag_tolerance_deg.map_or(settling.lag, f64::to_radians),
+            frequency_drift: raw.frequency_drift_1_s.unwrap_or(settling.frequency_drift),
+            amplitude_drift: raw.amplitude_drift_1_s.unwrap_or(settling.amplitude_drift),
+            spread: raw.period_spread.unwrap_or(settling.spread),
+            longest: raw.longest_hold_s.unwrap_or(settling.longest),
+            ..settling
         },
         ..schedule
     })

@@ -50,10 +50,10 @@ pub fn rows(scene: &TestScene) -> Vec<Row> {
         row("drive", format!("{} at {} m; {sensors}", scene.exciter.name(), number(scene.drive))),
         row("stop", scene.stop.as_ref().map_or_else(|| "none: a linear structure".into(), stop)),
         row("sampling", format!("{} Hz, seed {}", number(scene.sample_rate), scene.seed)),
-        row("levels", format!("{} {}", list(&schedule.levels), scene.exciter.unit())),
+        row("levels", format!("{} {}", list(&schedule.levels().collect::<Vec<_>>()), scene.exciter.unit())),
         row(
             "hold",
-            format!("at most {} s each, records of {} s", number(schedule.hold.longest), number(schedule.record)),
+            format!("at most {} s each, records of {} s", number(schedule.settling.longest), number(schedule.record)),
         ),
         row("backbone", backbone),
         row("records", records),

@@ -4,7 +4,9 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::raw::{RawExtraction, RawStructure};
-use crate::scene::{Backbone, Directory, ExciterKind, KeptRecords, LevelOrder, Overlay, TestLoop, TestStop};
+use crate::scene::{
+    Backbone, Directory, ExciterKind, KeptRecords, LevelOrder, Overlay, TestLoop, TestSensor, TestStop,
+};
 
 /// Most modes, sensors or levels.
 const MAX_LIST: u32 = 1000;
@@ -57,6 +59,8 @@ pub struct RawVirtualTest {
     pub exciter: Option<RawExciter>,
     /// Noise of the sensors; default: none
     pub noise: Option<RawNoise>,
+    /// What else lies between a quantity and its samples, each channel under its own heading `[[virtual_test.sensor]]`
+    pub sensor: Option<Vec<TestSensor>>,
     /// The phase-locked loop
     #[serde(rename = "loop")]
     pub control: Option<TestLoop>,

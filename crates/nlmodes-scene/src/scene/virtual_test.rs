@@ -1,7 +1,9 @@
+use std::f64::consts::TAU;
 use std::path::PathBuf;
 
 use nlmodes::experiment::extraction::ExtractionSettings;
-use nlmodes::rig::{Exciter, Schedule};
+use nlmodes::experiment::phase_loop::LevelSchedule;
+use nlmodes::rig::{Chain, Converter, DropOuts, Exciter, Hum, Stage};
 use nlmodes::virtual_test::BenchNoise;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -33,12 +35,14 @@ pub struct TestScene {
     pub noise: BenchNoise,
     /// Its seed.
     pub seed: u64,
+    /// What else lies between quantities and samples, by channel.
+    pub sensors: Vec<TestSensor>,
     /// Sampling rate, Hz.
     pub sample_rate: f64,
     /// The phase-locked loop.
     pub control: TestLoop,
     /// Levels of the drive, and how each is held.
-    pub schedule: Schedule,
+    pub schedule: LevelSchedule,
     /// Which records are kept.
     pub records: Option<KeptRecords>,
     /// The backbone that is computed beside the test.
@@ -79,6 +83,89 @@ pub struct TestStop {
     #[serde(alias = "stiffness_n_m", default, skip_serializing_if = "Option::is_none")]
     #[schemars(rename = "stiffness_n_m", extend("unit" = "N/m", "exclusiveMinimum" = 0.0))]
     pub stiffness: Option<f64>,
+}
+
+/// What lies between a quantity and its samples in a channel of the rig; by default nothing but its noise.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct TestSensor {
+    /// Name of the channel: "force_N", "x_drive_m", "v_drive_mps", "a1_mps2" …, "x_stop_m", "v_stop_mps", "f_contact_N"
+    pub channel: String,
+    /// Mass of the force cell that moves with the structure, of "force_N"
+    #[serde(default)]
+    #[schemars(range(min = 0.0), extend("unit" = "kg"))]
+    pub mass_kg: f64,
+    /// Resonance of the cell or its fixture; left out, it has none
+    #[schemars(extend("unit" = "Hz", "exclusiveMinimum" = 0.0))]
+    pub resonance_hz: Option<f64>,
+    /// Its damping ratio
+    #[serde(default = "little")]
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub resonance_damping_ratio: f64,
+    /// Cut-off of an anti-aliasing filter, a low-pass of second order; left out, there is none
+    #[schemars(extend("unit" = "Hz", "exclusiveMinimum" = 0.0))]
+    pub anti_alias_hz: Option<f64>,
+    /// Delay
+    #[serde(default)]
+    #[schemars(range(min = 0.0, max = 1.0), extend("unit" = "s"))]
+    pub delay_s: f64,
+    /// Drift, in units of the channel a second
+    #[serde(default)]
+    pub drift_per_s: f64,
+    /// Amplitude of hum, in the unit of the channel
+    #[serde(default)]
+    pub hum: f64,
+    /// Its frequency
+    #[serde(default = "mains")]
+    #[schemars(extend("unit" = "Hz", "exclusiveMinimum" = 0.0))]
+    pub hum_hz: f64,
+    /// Largest size that the converter carries, in the unit of the channel; left out, it carries everything exactly
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub range: Option<f64>,
+    /// Bits of the converter, the sign included
+    #[serde(default = "usual_bits")]
+    #[schemars(range(min = 2, max = 32))]
+    pub bits: u32,
+    /// Drop-outs a second, which repeat the last sample
+    #[serde(default)]
+    #[schemars(range(min = 0.0), extend("unit" = "1/s"))]
+    pub drop_outs_1_s: f64,
+    /// Length of a drop-out
+    #[serde(default = "a_millisecond")]
+    #[schemars(extend("unit" = "s", "exclusiveMinimum" = 0.0))]
+    pub drop_out_s: f64,
+}
+
+fn little() -> f64 {
+    0.02
+}
+
+fn mains() -> f64 {
+    50.0
+}
+
+fn usual_bits() -> u32 {
+    16
+}
+
+fn a_millisecond() -> f64 {
+    1e-3
+}
+
+impl TestSensor {
+    /// The same as the rig has it.
+    pub fn chain(&self) -> Chain {
+        let cell = self.resonance_hz.map(|hz| Stage { omega: TAU * hz, damping_ratio: self.resonance_damping_ratio });
+        Chain {
+            mass: self.mass_kg,
+            stages: cell.into_iter().chain(self.anti_alias_hz.map(Stage::low_pass)).collect(),
+            delay: self.delay_s,
+            drift: self.drift_per_s,
+            hum: (self.hum != 0.0).then_some(Hum { amplitude: self.hum, frequency_hz: self.hum_hz }),
+            converter: self.range.map(|range| Converter { range, bits: self.bits }),
+            drop_outs: (self.drop_outs_1_s > 0.0)
+                .then_some(DropOuts { rate: self.drop_outs_1_s, length: self.drop_out_s }),
+        }
+    }
 }
 
 /// Most harmonics of the force that a loop follows.

@@ -3,14 +3,16 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use nlmodes::experiment::phase_loop::{LoopSettings, PhaseLoopError, Resonance};
+use nlmodes::experiment::phase_loop::{
+    LevelSchedule, LoopSettings, PhaseLoopError, Resonance, SteadyCriteria, TestSettings,
+};
 use nlmodes::linalg::sparse_from_triplets;
 use nlmodes::modal::LinearModes;
 use nlmodes::model::{ContactLaw, Side};
 use nlmodes::response::{Damping, ResponseModel, ResponsePoint, ResponseSettings, conservative_mode};
 use nlmodes::rig::{
-    ControlledHarmonics, DrivePoint, Exciter, Finding, Hold, LinearStructure, MotionQuantity, RigError, RigSetup,
-    Schedule, Sensor, SensorPlace, Session, Settling, Shaker, Stop, VirtualTest,
+    ControlChannels, ControlledHarmonics, DrivePoint, Exciter, Finding, LinearStructure, MotionQuantity, RigError,
+    RigSetup, Sensor, SensorPlace, Session, Shaker, Stop, VirtualTest,
 };
 use nlmodes_reduction::{ModeCount, OpenModes};
 use num_complex::Complex64;
@@ -105,19 +107,23 @@ impl Structure {
         conservative_mode(&model, 10.0, &settings).unwrap().points
     }
 
-    /// A session that was held at this level of an ideal force, and how it came to rest.
-    fn held(self, harmonics: usize, newtons: f64) -> (Session, Settling) {
-        let mut session = Session::new(self.setup(Exciter::IdealForce), settings(), CHANNELS[0], CHANNELS[1]).unwrap();
-        session.hold_frequency(true);
-        session.ramp(self.force(1.0), 1.0).unwrap();
-        session.run(1.0).unwrap();
-        session.hold_frequency(false);
-        if harmonics > 1 {
-            session.control_harmonics(&self.wanted(harmonics)).unwrap();
+    fn test(self, exciter: Exciter, levels: &[f64], harmonics: Option<ControlledHarmonics>) -> VirtualTest {
+        VirtualTest {
+            rig: self.setup(exciter),
+            control: TestSettings::new(settings(), LevelSchedule::new(levels).unwrap()),
+            channels: ControlChannels::new(CHANNELS[0], CHANNELS[1]),
+            harmonics,
         }
-        session.ramp(self.force(newtons), 1.0).unwrap();
-        let settling = session.settle(&Hold::default()).unwrap();
-        (session, settling)
+    }
+
+    /// A session that was held at this level of an ideal force, and what keeps it from being steady.
+    fn held(self, harmonics: usize, newtons: f64) -> (Session, Vec<Finding>) {
+        let wanted = (harmonics > 1).then(|| self.wanted(harmonics));
+        let mut session = self.test(Exciter::IdealForce, &[self.force(1.0)], wanted).session().unwrap();
+        session.run(3.0).unwrap();
+        session.go(self.force(newtons), 1.0).unwrap();
+        let (_, findings) = session.settle(&SteadyCriteria::default()).unwrap();
+        (session, findings)
     }
 }
 
@@ -132,18 +138,18 @@ fn settings() -> LoopSettings {
 /// Harmonics 0 to [`HARMONICS`] of the modal coordinates over forty periods, from these themselves and not from
 /// sensors.
 fn motion(session: &mut Session) -> Vec<Vec<Complex64>> {
-    let samples = (40.0 * TAU / session.state().omega() / INTERVAL).round() as usize;
+    let samples = (40.0 * TAU / session.state().phase().omega() / INTERVAL).round() as usize;
     let (mut sums, mut weights) = (vec![vec![Complex64::ZERO; MODES]; HARMONICS + 1], 0.0);
     for k in 0..samples {
         let weight = (0.5 * TAU * (k as f64 + 0.5) / samples as f64).sin().powi(4);
-        let theta = session.state().drive_phase();
+        let theta = session.state().phase().drive_phase();
         let q = session.rig().modal_coordinates();
         for (n, sum) in sums.iter_mut().enumerate() {
             let wave = Complex64::cis(-(n as f64) * theta) * (2.0 * weight);
             sum.iter_mut().zip(&q).for_each(|(sum, q)| *sum += wave * q);
         }
         weights += weight;
-        session.run(INTERVAL).unwrap();
+        session.step().unwrap();
     }
     sums.iter_mut().flatten().for_each(|sum| *sum /= weights);
     sums
@@ -193,8 +199,8 @@ fn each_controlled_harmonic_brings_the_motion_nearer_to_the_mode() {
     let mode = LARGE.mode();
     for newtons in [1.6, 2.0, 2.4] {
         let distances = [1, 3, 5].map(|harmonics| {
-            let (mut session, settling) = LARGE.held(harmonics, newtons);
-            assert!(settling.findings.is_empty(), "{newtons} N, {harmonics}: {:?}", settling.findings);
+            let (mut session, findings) = LARGE.held(harmonics, newtons);
+            assert!(findings.is_empty(), "{newtons} N, {harmonics}: {findings:?}");
             nearest(&motion(&mut session), &mode)
         });
         // 0.037, 0.015, 0.010; 0.039, 0.017, 0.012; 0.038, 0.021, 0.015. Where there is no contact at all it is 0.005
@@ -208,9 +214,10 @@ fn each_controlled_harmonic_brings_the_motion_nearer_to_the_mode() {
 fn the_force_is_what_the_law_asks_for_in_any_units() {
     let mut shares = Vec::new();
     for structure in [LARGE, SMALL] {
-        let (mut session, settling) = structure.held(4, 2.0);
-        assert!(settling.findings.is_empty(), "{:?}", settling.findings);
-        let (force, omega) = (session.harmonics().unwrap().force().to_vec(), settling.steady.omega);
+        let (mut session, findings) = structure.held(4, 2.0);
+        assert!(findings.is_empty(), "{findings:?}");
+        let omega = session.record(1.0).unwrap().1.omega;
+        let force = session.state().harmonics().force().to_vec();
         let (turned, q) = (session.force_harmonics(), motion(&mut session));
         assert_eq!(force.len(), 4);
         for n in 2..=4 {
@@ -230,14 +237,7 @@ fn the_force_is_what_the_law_asks_for_in_any_units() {
 
 #[test]
 fn a_shaker_is_measured_before_its_harmonics_are_controlled() {
-    let test = |harmonics| VirtualTest {
-        rig: LARGE.setup(Exciter::Shaker(Shaker::default())),
-        settings: settings(),
-        force: CHANNELS[0],
-        response: CHANNELS[1],
-        harmonics,
-        schedule: Schedule::new(vec![0.2, 3.0]),
-    };
+    let test = |harmonics| LARGE.test(Exciter::Shaker(Shaker::default()), &[0.2, 3.0], harmonics);
     let alone = test(None).run(|_| {}).unwrap();
     assert!(alone.iter().all(|level| level.force_harmonics.is_empty()));
     let levels = test(Some(LARGE.wanted(3))).run(|_| {}).unwrap();
@@ -258,27 +258,16 @@ fn a_drive_point_that_a_harmonic_does_not_move_is_said() {
     let blind = vec![vec![1e-9, 0.0, 0.0], LARGE.shape(0.15), LARGE.shape(0.55), LARGE.shape(0.75), LARGE.shape(0.95)];
     let places: Vec<f64> = wanted.modes.positions().to_vec();
     wanted.modes = LinearModes::new(&places, &omega(), &[0.9; MODES], &blind).unwrap();
-    let mut session = Session::new(LARGE.setup(Exciter::IdealForce), settings(), CHANNELS[0], CHANNELS[1]).unwrap();
-    session.hold_frequency(true);
-    session.ramp(2.5, 1.0).unwrap();
-    session.run(1.0).unwrap();
-    session.hold_frequency(false);
-    session.control_harmonics(&wanted).unwrap();
-    let findings = session.settle(&Hold { longest: 3.0, ..Hold::default() }).unwrap().findings;
+    let mut session = LARGE.test(Exciter::IdealForce, &[2.5], Some(wanted)).session().unwrap();
+    session.run(2.0).unwrap();
+    let (_, findings) = session.settle(&SteadyCriteria { longest: 3.0, ..SteadyCriteria::default() }).unwrap();
     let said = findings.iter().find(|f| matches!(f, Finding::HarmonicLimit { harmonic: 2 }));
     assert!(said.is_some_and(|f| f.name() == "harmonic-limit" && f.to_string().contains("harmonic 2")), "{findings:?}");
 }
 
 #[test]
 fn what_cannot_be_controlled_is_refused_before_the_test() {
-    let good = VirtualTest {
-        rig: LARGE.setup(Exciter::IdealForce),
-        settings: settings(),
-        force: CHANNELS[0],
-        response: CHANNELS[1],
-        harmonics: Some(LARGE.wanted(3)),
-        schedule: Schedule::new(vec![1.0]),
-    };
+    let good = LARGE.test(Exciter::IdealForce, &[1.0], Some(LARGE.wanted(3)));
     good.check().unwrap();
     let with = |change: &dyn Fn(&mut ControlledHarmonics)| {
         let mut test = good.clone();
@@ -295,12 +284,13 @@ fn what_cannot_be_controlled_is_refused_before_the_test() {
     assert!(matches!(with(&|wanted| wanted.channels[1] = 60), RigError::NoChannel { .. }));
     // Five harmonics of twice the frequency are sampled at 1 kHz, as the loop alone needs, eight are not.
     let mut slow = good.clone();
-    (slow.rig.interval, slow.settings.step, slow.settings.cut_off) = (1e-3, 1e-3, 10.0);
+    slow.rig.interval = 1e-3;
+    (slow.control.phase.step, slow.control.phase.cut_off) = (1e-3, 10.0);
     let refused = slow.check();
     assert!(matches!(refused, Err(RigError::Loop(PhaseLoopError::AboveNyquist { harmonic: 8, .. }))), "{refused:?}");
     slow.harmonics = None;
     slow.check().unwrap();
     // Nothing answers before there is a level.
-    let mut session = Session::new(LARGE.setup(Exciter::IdealForce), settings(), CHANNELS[0], CHANNELS[1]).unwrap();
-    assert!(matches!(session.control_harmonics(&LARGE.wanted(3)), Err(RigError::NotPositive { what: "level", .. })));
+    let silent = LARGE.test(Exciter::IdealForce, &[0.0], Some(LARGE.wanted(3))).session();
+    assert!(matches!(silent, Err(RigError::NotPositive { what: "level", .. })));
 }

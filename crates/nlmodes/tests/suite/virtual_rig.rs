@@ -5,12 +5,14 @@ use std::ops::ControlFlow;
 
 use nlmodes::branches::{BranchSettings, ResonanceRule, compute_branch};
 use nlmodes::experiment::extraction::ExtractionSettings;
-use nlmodes::experiment::phase_loop::{LoopSettings, Resonance};
+use nlmodes::experiment::phase_loop::{
+    EmergencyReason, LevelSchedule, Limits, LoopSettings, Resonance, SteadyCriteria, TestSettings,
+};
 use nlmodes::fem::{Beam, MassMatrix, Material, Mesh, Section, Support};
 use nlmodes::linalg::sparse_from_triplets;
 use nlmodes::modal::ModalBranch;
 use nlmodes::model::{Contact, ContactLaw, Dof, DofKind, Drop, MasslessContactModel, Side, StructuralModel};
-use nlmodes::rig::{Exciter, Hold, ModalReduction, RigError, Schedule, Session, Shaker, VirtualTest};
+use nlmodes::rig::{ControlChannels, Exciter, ModalReduction, RigError, Session, Shaker, VirtualTest};
 use nlmodes::virtual_test::{self, Bench, BenchNoise, BenchPoint, BenchStop, DRIVE_DISPLACEMENT, FORCE};
 use num_complex::Complex64;
 
@@ -45,6 +47,7 @@ fn bench(exciter: Exciter) -> (Bench, ModalReduction) {
         interval: 5e-5,
         noise: BenchNoise { force: 0.02, displacement: 5e-8, velocity: 2e-5, acceleration: 0.05, contact_force: 0.1 },
         seed: 1,
+        chains: Vec::new(),
     };
     (bench, reduction)
 }
@@ -94,14 +97,14 @@ fn distance(branch: &ModalBranch, amplitude: f64, hz: f64) -> f64 {
 /// `√Σ |q_k,1|²` of eqs. (21), (22) over forty periods, from the modal coordinates themselves: only the loop is on
 /// trial here.
 fn modal_amplitude(session: &mut Session) -> f64 {
-    let samples = (40.0 * TAU / session.state().omega() / 5e-5).round() as usize;
+    let samples = (40.0 * TAU / session.state().phase().omega() / 5e-5).round() as usize;
     let (mut sums, mut weights) = ([Complex64::ZERO; 6], 0.0);
     for k in 0..samples {
         let weight = (std::f64::consts::PI * (k as f64 + 0.5) / samples as f64).sin().powi(4);
-        let wave = Complex64::cis(-session.state().drive_phase()) * (2.0 * weight);
+        let wave = Complex64::cis(-session.state().phase().drive_phase()) * (2.0 * weight);
         sums.iter_mut().zip(session.rig().modal_coordinates()).for_each(|(sum, q)| *sum += wave * q);
         weights += weight;
-        session.run(5e-5).unwrap();
+        session.step().unwrap();
     }
     sums.iter().map(|sum| (sum / weights).norm_sqr()).sum::<f64>().sqrt()
 }
@@ -112,17 +115,15 @@ fn the_loop_follows_the_computed_backbone_from_contact_to_42_hertz() {
     let setup = Bench { noise: BenchNoise::default(), ..bench }.setup(&reduction);
     let branch = backbone(&setup.stop.as_ref().unwrap().shape);
     assert!(branch.end.complete, "{:?}", branch.end);
-    let mut session = Session::new(setup, loop_settings(), FORCE, DRIVE_DISPLACEMENT).unwrap();
-    session.hold_frequency(true);
-    session.ramp(4.2, 1.0).unwrap();
-    session.run(1.0).unwrap();
-    session.hold_frequency(false);
+    let control = TestSettings::new(loop_settings(), LevelSchedule::new(&[4.2]).unwrap());
+    let mut session = Session::new(setup, &control, ControlChannels::new(FORCE, DRIVE_DISPLACEMENT)).unwrap();
+    session.run(2.0).unwrap();
     let mut reached = 0.0;
     for level in [4.4, 4.7, 5.0, 5.4, 5.6, 7.0] {
-        session.ramp(level, 1.0).unwrap();
-        let settling = session.settle(&Hold::default()).unwrap();
-        assert!(settling.findings.is_empty(), "{level} N: {:?}", settling.findings);
-        let hz = settling.steady.omega / TAU;
+        session.go(level, 1.0).unwrap();
+        let (_, findings) = session.settle(&SteadyCriteria::default()).unwrap();
+        assert!(findings.is_empty(), "{level} N: {findings:?}");
+        let hz = session.record(1.0).unwrap().1.omega / TAU;
         let amplitude = modal_amplitude(&mut session);
         let off = distance(&branch, amplitude, hz);
         assert!(off.abs() < 0.1, "{level} N: {hz} Hz, {amplitude} m√kg, off by {off} Hz");
@@ -134,18 +135,20 @@ fn the_loop_follows_the_computed_backbone_from_contact_to_42_hertz() {
 #[test]
 fn levels_before_one_that_fails_are_kept() {
     let (bench, reduction) = bench(Exciter::IdealForce);
-    let hold = Hold { longest: 0.2, ..Hold::default() };
+    let settling = SteadyCriteria { longest: 0.2, ..SteadyCriteria::default() };
+    let levels = LevelSchedule { settling, record: 0.2, ..LevelSchedule::new(&[1.0, 5.0, 2.0]).unwrap() };
+    // The force of the second level is above its limit.
+    let limits = Limits { force: 3.0, ..Limits::default() };
     let test = VirtualTest {
         rig: bench.setup(&reduction),
-        settings: loop_settings(),
-        force: FORCE,
-        response: DRIVE_DISPLACEMENT,
+        control: TestSettings { limits, ..TestSettings::new(loop_settings(), levels) },
+        channels: ControlChannels::new(FORCE, DRIVE_DISPLACEMENT),
         harmonics: None,
-        schedule: Schedule { hold, record: 0.2, ..Schedule::new(vec![1.0, f64::NAN, 2.0]) },
     };
     let run = virtual_test::run(&test, &ExtractionSettings::default(), |_| {});
     assert_eq!((run.levels.len(), run.levels[0].outcome.level), (1, 1.0));
-    assert!(matches!(run.failure, Some(RigError::NotFinite { .. })), "{:?}", run.failure);
+    let reason = EmergencyReason::Force;
+    assert!(matches!(run.failure, Some(RigError::Stopped { reason: r, .. }) if r == reason), "{:?}", run.failure);
 }
 
 #[test]
@@ -159,11 +162,9 @@ fn a_bench_is_tested_and_its_levels_are_extracted() {
     };
     let test = VirtualTest {
         rig: bench.setup(&reduction),
-        settings: loop_settings(),
-        force: FORCE,
-        response: DRIVE_DISPLACEMENT,
+        control: TestSettings::new(loop_settings(), LevelSchedule::new(&[0.75, 2.0]).unwrap()),
+        channels: ControlChannels::new(FORCE, DRIVE_DISPLACEMENT),
         harmonics: None,
-        schedule: Schedule::new(vec![0.75, 2.0]),
     };
     let virtual_test::TestRun { levels, failure } = virtual_test::run(&test, &settings, |_| {});
     assert!(failure.is_none(), "{failure:?}");

@@ -78,12 +78,10 @@ fn lag(degrees: f64, diagnostics: &mut Diagnostics<'_>) {
 
 fn levels(scene: &TestScene, diagnostics: &mut Diagnostics<'_>) {
     let path = "virtual_test.schedule.levels_v";
-    let Some(i) =
-        scene.schedule.levels.iter().position(|level| *level > HIGH_VOLTAGE).filter(|_| diagnostics.has(path))
-    else {
+    let mut levels = scene.schedule.levels().enumerate();
+    let Some((i, level)) = levels.find(|(_, level)| *level > HIGH_VOLTAGE).filter(|_| diagnostics.has(path)) else {
         return;
     };
-    let level = scene.schedule.levels[i];
     let diagnostic = Diagnostic::warning(format!("`{path}` has a level of {} V", number(level)));
     diagnostics.put(&format!("{path}.{i}"), diagnostic.help(meant(level, "mV", 1e-3)), "more than a shaker takes");
 }
