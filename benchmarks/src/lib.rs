@@ -3,10 +3,10 @@
 use std::f64::consts::TAU;
 use std::time::Duration;
 
-use nlmodes::experiment::phase_loop::{LoopSettings, Resonance};
+use nlmodes::experiment::phase_loop::{LevelSchedule, LoopSettings, Resonance, TestSettings};
 use nlmodes::fem::{Beam, Direction, MassMatrix, Material, Mesh, Rod, Section, Stop, Support};
 use nlmodes::model::{ContactLaw, DofKind, Drop, MasslessContactModel, Side, StructuralModel};
-use nlmodes::rig::{Exciter, ModalReduction, Session};
+use nlmodes::rig::{ControlChannels, Exciter, ModalReduction, Session};
 use nlmodes::virtual_test::{Bench, BenchNoise, BenchPoint, BenchStop, DRIVE_DISPLACEMENT, FORCE};
 use rustix::time::{ClockId, clock_gettime};
 
@@ -126,8 +126,10 @@ pub fn rig() -> Result<Session, Failure> {
     let omega = bench.omega[0];
     let resonance = Resonance { omega, damping_ratio: bench.damping_ratios[0] };
     let settings = LoopSettings::new(resonance, TAU * 40.0, bench.interval);
-    let mut session = Session::new(bench.setup(&reduction), settings, FORCE, DRIVE_DISPLACEMENT)?;
-    session.ramp(10.0, 1.0)?;
+    let control = TestSettings::new(settings, LevelSchedule::new(&[10.0])?);
+    let channels = ControlChannels::new(FORCE, DRIVE_DISPLACEMENT);
+    let mut session = Session::new(bench.setup(&reduction), &control, channels)?;
+    session.go(10.0, 1.0)?;
     session.run(1.0)?;
     Ok(session)
 }
@@ -155,6 +157,7 @@ fn bench(law: ContactLaw) -> Result<(Bench, ModalReduction), Failure> {
         interval: INTERVAL,
         noise: BenchNoise { force: 0.02, displacement: 5e-8, velocity: 2e-5, acceleration: 0.05, contact_force: 0.1 },
         seed: 1,
+        chains: Vec::new(),
     };
     Ok((bench, reduction))
 }
