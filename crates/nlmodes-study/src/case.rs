@@ -10,7 +10,7 @@ use nlmodes_scene::{SceneError, SceneFile, parse_each_method};
 use serde_json::Value;
 
 use crate::design::Points;
-use crate::study::Study;
+use crate::study::{DesignKind, Study};
 pub use name::hex;
 use name::id;
 
@@ -46,7 +46,7 @@ pub struct Resolved {
 }
 
 /// The `--set` arguments for a point of the design.
-fn overrides(study: &Study, point: &[Vec<Value>]) -> Vec<String> {
+pub fn overrides(study: &Study, point: &[Vec<Value>]) -> Vec<String> {
     let pairs = study.variables.iter().zip(point).flat_map(|(variable, values)| variable.keys.iter().zip(values));
     pairs.map(|(key, value)| setting(key, value)).collect()
 }
@@ -75,7 +75,10 @@ fn toml(value: &Value) -> String {
 /// # Errors
 /// [`SceneError`], the errors of the scene with these values.
 pub fn resolve(study: &Study, point: &[Vec<Value>]) -> Result<Vec<Resolved>, SceneError> {
-    resolve_set(study, overrides(study, point))
+    match study.design.kind {
+        DesignKind::FirstOrder => resolve_differentiated(study, overrides(study, point)),
+        _ => resolve_set(study, overrides(study, point)),
+    }
 }
 
 /// The scenes with these values, in the form of `--set`.
@@ -83,7 +86,27 @@ pub fn resolve(study: &Study, point: &[Vec<Value>]) -> Result<Vec<Resolved>, Sce
 /// # Errors
 /// [`SceneError`], the errors of the scene with these values.
 pub fn resolve_set(study: &Study, set: Vec<String>) -> Result<Vec<Resolved>, SceneError> {
+    resolve_text(study, &study.scene_text, set)
+}
+
+/// The scenes with these values, whose points are differentiated by all keys of the variables, beside those by which
+/// the scene differentiates them itself.
+///
+/// # Errors
+/// [`SceneError`], the errors of the scene with these values, such as that it has no gradients.
+pub fn resolve_differentiated(study: &Study, set: Vec<String>) -> Result<Vec<Resolved>, SceneError> {
     let files = parse_each_method(&study.scene_name, &study.scene_text, &set)?;
+    let own = files.first().map(|file| file.scene.sensitivities.as_slice()).unwrap_or_default();
+    let mut text = study.scene_text.clone();
+    let keys = study.variables.iter().flat_map(|variable| &variable.keys);
+    for key in keys.filter(|key| own.iter().all(|own| own.key != **key)) {
+        text.push_str(&format!("\n[[sensitivity]]\nkey = {}\n", toml(&Value::from(key.as_str()))));
+    }
+    resolve_text(study, &text, set)
+}
+
+fn resolve_text(study: &Study, text: &str, set: Vec<String>) -> Result<Vec<Resolved>, SceneError> {
+    let files = parse_each_method(&study.scene_name, text, &set)?;
     let mut parts = Vec::new();
     for file in files {
         let list = file.scene.method.harmonics_list.clone();

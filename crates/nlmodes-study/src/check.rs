@@ -16,6 +16,9 @@ use crate::study::{Design, DesignKind, Study, Variable};
 /// Maximum number of cases of a study.
 const MAX_CASES: usize = 10_000_000;
 
+/// Default of `design.box_deviations`: of a normal distribution 0.3 % lie outside.
+const BOX_DEVIATIONS: f64 = 3.0;
+
 /// The study, if there is no error; `name` is that of its file, and `scene` the text of the scene at a path.
 pub fn study(
     raw: &RawStudy,
@@ -76,7 +79,9 @@ fn design(raw: &RawDesign, diagnostics: &mut Diagnostics<'_>) -> Design {
         }
     }
     let samples = if kind.is_sampled() { raw.samples.unwrap_or(1) as usize } else { 0 };
-    Design { kind, samples, seed: u64::from(raw.seed.unwrap_or(1)), sobol_indices }
+    let first_order = raw.first_order.unwrap_or(false) || kind == DesignKind::FirstOrder;
+    let box_deviations = raw.box_deviations.unwrap_or(BOX_DEVIATIONS);
+    Design { kind, samples, seed: u64::from(raw.seed.unwrap_or(1)), sobol_indices, first_order, box_deviations }
 }
 
 /// Limits of counts and random draws.

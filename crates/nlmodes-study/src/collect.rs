@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
 use crate::case::{Case, cases};
+use crate::first_order::{FirstOrder, Stored};
 use crate::statistics::Statistics;
 use crate::store::Store;
 use crate::study::Study;
@@ -45,6 +46,8 @@ pub struct Collected {
     pub counts: Counts,
     /// Scatter and sensitivity of each quantity.
     pub statistics: Vec<Statistics>,
+    /// What gradients say, where the study asks for it.
+    pub first_order: Option<FirstOrder>,
     /// Branches for the page: all, or the maximum number.
     pub drawn: Vec<Drawn>,
     /// Percentiles of the frequency over the energy.
@@ -60,10 +63,14 @@ impl Collected {
         let table = table::table(study, &cases, &rows);
         let mut counts = Counts { cases: rows.len(), ..Counts::default() };
         rows.iter().for_each(|row| counts.take(row.state));
-        let statistics = study.quantities.iter().map(|q| Statistics::new(study, &table, &cases, &q.name)).collect();
+        let statistics: Vec<Statistics> =
+            study.quantities.iter().map(|q| Statistics::new(study, &table, &cases, &q.name)).collect();
+        // What is in the store already, nothing is written.
+        let mut stored = Stored { study, store: &store };
+        let first_order = FirstOrder::of(study, &statistics, &mut stored).unwrap_or_default();
         let drawn: Vec<Drawn> = rows.into_iter().flat_map(|row| row.drawn).collect();
         let band = Band::new(&drawn);
-        Self { table, counts, statistics, drawn, band }
+        Self { table, counts, statistics, first_order, drawn, band }
     }
 }
 

@@ -1,8 +1,10 @@
-//! The branch of a case from its table, and quantities of it.
+//! The branch of a case from its table, quantities of it, and what parameters do to these.
 
 mod between;
 mod pick;
+mod slope;
 mod table;
 
 pub use pick::{Picked, pick};
-pub use table::{Curve, CurveError, ENERGY_RATIO, Level, has_numbers};
+pub use slope::derivatives;
+pub use table::{Curve, CurveError, ENERGY_RATIO, Held, Level, has_numbers};

@@ -1,6 +1,6 @@
 //! Distributions, as maps from uniform numbers in the unit interval.
 
-use statrs::distribution::{ContinuousCDF, Normal};
+use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 
 /// A probability distribution.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,6 +58,54 @@ impl Distribution {
     }
 }
 
+/// Mean and standard deviation of a distribution, and the ends of the box that stands for it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moments {
+    /// The mean.
+    pub mean: f64,
+    /// The standard deviation.
+    pub std: f64,
+    /// Lower and upper end of the box.
+    pub ends: [f64; 2],
+}
+
+impl Distribution {
+    /// Its moments; where it has no limits of its own, the box ends this many standard deviations from the mean, of the
+    /// logarithm where that is the normal one.
+    pub fn moments(self, deviations: f64) -> Moments {
+        match self {
+            Self::Uniform { low, high } => {
+                Moments { mean: 0.5 * (low + high), std: (high - low) / 12f64.sqrt(), ends: [low, high] }
+            }
+            Self::LogUniform { low, high } => {
+                let span = (high / low).ln();
+                let mean = (high - low) / span;
+                // E[x²] − E[x]², without the difference of two numbers that hardly differ.
+                let square = mean * (0.5 * (low + high) - mean);
+                Moments { mean, std: square.max(0.0).sqrt(), ends: [low, high] }
+            }
+            Self::Normal { mean, std, min, max } => {
+                let [a, b] = [min, max].map(|limit| (limit - mean) / std);
+                let share = share_below(b) - share_below(a);
+                let [at_a, at_b] = [a, b].map(|x| standard().pdf(x));
+                let weighted = |x: f64, density: f64| if x.is_finite() { x * density } else { 0.0 };
+                let moved = (at_a - at_b) / share;
+                let variance = 1.0 + (weighted(a, at_a) - weighted(b, at_b)) / share - moved * moved;
+                Moments {
+                    mean: mean + std * moved,
+                    std: std * variance.max(0.0).sqrt(),
+                    ends: [(mean - deviations * std).max(min), (mean + deviations * std).min(max)],
+                }
+            }
+            Self::LogNormal { mean, std } => {
+                let variance = (std / mean).powi(2).ln_1p();
+                let at = |x: f64| (mean.ln() - 0.5 * variance + variance.sqrt() * x).exp();
+                Moments { mean, std, ends: [at(-deviations), at(deviations)] }
+            }
+        }
+    }
+}
+
 /// The standard normal distribution; unit variance is always valid.
 fn standard() -> Normal {
     Normal::standard()
@@ -100,6 +148,28 @@ mod tests {
         // ∫ x dx / (x ln 100) from 1 to 100.
         let [mean, _] = moments(Distribution::LogUniform { low: 1.0, high: 100.0 });
         assert!((mean - 99.0 / 100f64.ln()).abs() < 1e-6, "{mean}");
+    }
+
+    #[test]
+    fn moments_are_those_of_many_quantiles_and_boxes_end_at_limits_or_so_many_deviations_away() {
+        let normal = |min, max| Distribution::Normal { mean: 3.0, std: 0.5, min, max };
+        for distribution in [
+            Distribution::Uniform { low: -1.0, high: 3.0 },
+            Distribution::LogUniform { low: 1.0, high: 100.0 },
+            Distribution::LogUniform { low: 1.0, high: 1.01 },
+            normal(f64::NEG_INFINITY, f64::INFINITY),
+            normal(2.8, f64::INFINITY),
+            normal(2.8, 3.1),
+            Distribution::LogNormal { mean: 1e-3, std: 2e-4 },
+        ] {
+            let ([mean, std], own) = (moments(distribution), distribution.moments(3.0));
+            assert!((own.mean / mean - 1.0).abs() < 1e-5, "{distribution:?}: {} {mean}", own.mean);
+            assert!((own.std / std - 1.0).abs() < 1e-3, "{distribution:?}: {} {std}", own.std);
+        }
+        assert_eq!(normal(f64::NEG_INFINITY, f64::INFINITY).moments(2.0).ends, [2.0, 4.0]);
+        assert_eq!(normal(2.8, f64::INFINITY).moments(2.0).ends, [2.8, 4.0]);
+        let [low, high] = Distribution::LogNormal { mean: 1.0, std: 0.1 }.moments(3.0).ends;
+        assert!((low * high * (1.0 + 0.01) - 1.0).abs() < 1e-12 && high > 1.3);
     }
 
     #[test]

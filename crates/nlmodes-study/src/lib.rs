@@ -15,6 +15,7 @@
 //! | [`cases`](case::cases) | its cases, with their names |
 //! | [`run`](run::run()), [`Settings`], [`Shard`] | computes missing cases, one branch per thread |
 //! | [`Collected`] | the [`Table`] of existing cases, its [`Statistics`], its page |
+//! | [`FirstOrder`] | what gradients say: spread, worst corners, how much of the tolerances keeps to a limit |
 //! | [`Evaluator`] | single cases for an optimiser or sampler |
 //! | [`serve`] | the same line by line of JSON, for a program in another language |
 //! | [`slurm`] | a study as an array job |
@@ -78,6 +79,7 @@ mod distribution;
 mod error;
 mod evaluate;
 mod figures;
+mod first_order;
 mod page;
 mod raw;
 mod read;
@@ -94,9 +96,10 @@ mod write;
 pub use collect::{Band, Collected, Counts, Drawn, State, status};
 pub use curve::{Curve, CurveError, ENERGY_RATIO, Level, Picked, pick};
 pub use design::Points;
-pub use distribution::Distribution;
+pub use distribution::{Distribution, Moments};
 pub use error::StudyError;
 pub use evaluate::{Answer, Evaluator};
+pub use first_order::{Compared, Corner, Effect, FirstOrder, Kept, OfQuantity};
 pub use read::{StudyFile, schema};
 pub use run::{Settings, Shard, StudyObserver, StudyOutcome, StudyProgress, run};
 pub use serve::serve;
@@ -104,5 +107,5 @@ pub use statistics::{
     Correlation, Sensitivity, SobolIndex, Spread, Statistics, quantile, rank_correlation, sobol_indices,
 };
 pub use store::{CaseRecord, Status, Store};
-pub use study::{Design, DesignKind, Keep, Of, Place, Quantity, Selected, Study, Sweep, Values, Variable};
+pub use study::{Design, DesignKind, Keep, Limit, Of, Place, Quantity, Selected, Study, Sweep, Values, Variable};
 pub use table::{Cells, Column, Table};

@@ -1,6 +1,7 @@
 //! The page of a study: its contents, in the common frame of all pages.
 
 mod data;
+mod first_order;
 mod sections;
 
 use nlmodes::report::Page;
@@ -21,12 +22,13 @@ const SCRIPT: &str = concat!(
 pub fn page(study: &Study, collected: &Collected) -> String {
     let head = sections::overview(study, collected);
     let statistics = sections::statistics(&collected.statistics);
+    let first_order = collected.first_order.as_ref().map_or_else(String::new, first_order::section);
     let body = format!(
         r#"<noscript><p class="outcome early">Figures and table of this page are drawn by its script; the numbers are in study.csv too.</p></noscript>
 <section id="figures"></section>
 <section id="statistics"><h2>Spread and sensitivity</h2>
 {statistics}</section>
-<section id="cases"></section>
+{first_order}<section id="cases"></section>
 "#
     );
     let data = data::json(study, collected);

@@ -30,7 +30,8 @@ pub struct RawStudy {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RawDesign {
-    /// All combinations of values, values row by row or rows of a CSV, or points in the space of the distributions
+    /// All combinations of values, values row by row or rows of a CSV, points in the space of the distributions, or
+    /// only the means of these, with gradients
     #[schemars(extend("default" = "grid"))]
     pub kind: Option<DesignKind>,
     /// Number of points; not for grid and list
@@ -45,6 +46,14 @@ pub struct RawDesign {
     /// Whether each of `samples` points gets the additional ones for Sobol indices: 2 more than the number of variables
     #[schemars(extend("default" = false))]
     pub sobol_indices: Option<bool>,
+    /// Whether spread and worst corners are computed from gradients, too: one case with the variables at their means,
+    /// one for each corner; always for kind "first-order"
+    #[schemars(extend("default" = false))]
+    pub first_order: Option<bool>,
+    /// Where a distribution has no limits of its own, the box of tolerances ends this many standard deviations from the
+    /// mean
+    #[schemars(extend("default" = 3.0, "exclusiveMinimum" = 0.0, "maximum" = 10.0))]
+    pub box_deviations: Option<f64>,
 }
 
 /// The variables.
@@ -125,6 +134,10 @@ pub struct RawQuantity {
     /// Number of the response in the scene that it is about, from 1; default: all
     #[schemars(range(min = 1, max = 1000))]
     pub response: Option<u32>,
+    /// What it must not exceed: how much of the tolerances keeps it below, and which cases do
+    pub at_most: Option<f64>,
+    /// What it must not fall below, in the same way
+    pub at_least: Option<f64>,
 }
 
 /// Directory of the results, and the files kept of each case.

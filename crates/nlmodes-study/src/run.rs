@@ -16,6 +16,7 @@ use nlmodes_scene::assemble::Structures;
 use crate::case::{Case, cases, resolve};
 use crate::design::Points;
 use crate::error::StudyError;
+use crate::first_order::{Computing, FirstOrder};
 use crate::store::{Status, Store};
 use crate::study::Study;
 pub use outcome::{StudyObserver, StudyOutcome, StudyProgress};
@@ -75,12 +76,28 @@ pub fn run(study: &Study, settings: &Settings, observer: &mut dyn StudyObserver)
             }
         }
     });
+    if let Some(error) = failure.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        return Err(error);
+    }
+    // The cases that follow from gradients, by whoever has the first one.
+    if settings.shard.has(0) && !shared.ended.load(Ordering::Relaxed) {
+        let (ended, structures) = (&shared.ended, &shared.structures);
+        let mut cases = Computing { study, settings, ended, structures };
+        thread::scope(|scope| {
+            let computing = scope.spawn(|| FirstOrder::of(study, &[], &mut cases));
+            while !computing.is_finished() {
+                if observer.is_cancelled() {
+                    ended.store(true, Ordering::Relaxed);
+                }
+                thread::sleep(LOOK);
+            }
+            // A case that panics is a row with its reason.
+            computing.join().unwrap_or(Ok(None))
+        })?;
+    }
     outcome.is_cut_off = shared.ended.load(Ordering::Relaxed);
     outcome.wall_time = began.elapsed();
-    match failure.into_inner().unwrap_or_else(PoisonError::into_inner) {
-        Some(error) => Err(error),
-        None => Ok(outcome),
-    }
+    Ok(outcome)
 }
 
 /// Data shared by all workers.

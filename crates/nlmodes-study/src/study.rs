@@ -78,6 +78,42 @@ pub struct Quantity {
     pub at: Place,
     /// Which of the responses of a scene it is about.
     pub response: Selected,
+    /// What it has to keep to.
+    pub limit: Option<Limit>,
+}
+
+/// What a quantity has to keep to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Limit {
+    /// At most this.
+    AtMost(f64),
+    /// At least this.
+    AtLeast(f64),
+}
+
+impl Limit {
+    /// The number.
+    pub fn value(self) -> f64 {
+        match self {
+            Self::AtMost(value) | Self::AtLeast(value) => value,
+        }
+    }
+
+    /// Whether a value keeps to it.
+    pub fn holds(self, value: f64) -> bool {
+        match self {
+            Self::AtMost(limit) => value <= limit,
+            Self::AtLeast(limit) => value >= limit,
+        }
+    }
+
+    /// Before the number.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::AtMost(_) => "at most",
+            Self::AtLeast(_) => "at least",
+        }
+    }
 }
 
 /// What a quantity evaluates.

@@ -1,5 +1,7 @@
 //! Messages about studies.
 
+mod first_order;
+
 use std::fmt::{Display, Formatter, Result};
 use std::time::Duration;
 
@@ -25,6 +27,9 @@ impl Display for Statistics {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let name = &self.quantity;
         let Some(spread) = &self.spread else { return write!(f, "{name}: no case has it") };
+        if spread.count < 2 {
+            return write!(f, "{name}: {} in its only case", number(spread.mean));
+        }
         let [mean, min, max] = [spread.mean, spread.min, spread.max].map(number);
         let (error, std) = (spread.mean_error, spread.std);
         write!(f, "{name}: mean {mean} ± {error:.1e}, standard deviation {std:.3e}, {min} to {max}")?;

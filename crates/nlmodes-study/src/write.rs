@@ -8,6 +8,7 @@ use serde::Serialize;
 use crate::collect::Collected;
 use crate::error::StudyError;
 use crate::figures::figures;
+use crate::first_order::FirstOrder;
 use crate::page;
 use crate::statistics::Statistics;
 use crate::store::replace;
@@ -27,6 +28,8 @@ struct Summary<'a> {
     missing: usize,
     damaged: usize,
     statistics: &'a [Statistics],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    first_order: Option<&'a FirstOrder>,
 }
 
 impl Collected {
@@ -79,6 +82,7 @@ impl Collected {
             missing: counts.missing,
             damaged: counts.damaged,
             statistics: &self.statistics,
+            first_order: self.first_order.as_ref(),
         }
     }
 }

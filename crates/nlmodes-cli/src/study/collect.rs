@@ -35,6 +35,7 @@ pub fn write(study: &Study, threads: usize, quiet: bool) -> Status {
     if !quiet {
         let mut text = counts.to_string();
         collected.statistics.iter().for_each(|statistics| text += &format!("\n\n{statistics}"));
+        collected.first_order.iter().for_each(|first_order| text += &format!("\n\n{first_order}"));
         let place = |name| shown(&study.directory, name);
         let parquet = if cfg!(feature = "parquet") { " and study.parquet" } else { "" };
         text += &format!("\n\nTable in {}{parquet}, page in {}", place("study.csv"), place("report.html"));

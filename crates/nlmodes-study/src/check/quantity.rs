@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use crate::curve::{ENERGY_RATIO, has_numbers};
 use crate::raw::RawQuantity;
-use crate::study::{Of, Place, Quantity, Selected};
+use crate::study::{Limit, Of, Place, Quantity, Selected};
 
 const EXPECTED: &str = "expected { energy_ratio = 2.0 }, { column = value }, \"first\", \"last\", \"max\", \"min\" or \
     the name of an event";
@@ -39,7 +39,16 @@ fn quantity(raw: &RawQuantity, k: usize, diagnostics: &mut Diagnostics<'_>) -> O
         }
     };
     let response = Selected { response: raw.response.map(|number| number as usize), level: raw.level };
-    Some(Quantity { name: raw.name.clone()?, of, at, response })
+    let limit = match (raw.at_most, raw.at_least) {
+        (Some(_), Some(_)) => {
+            let diagnostic = Diagnostic::error(format!("`{path}` has a limit above and one below"));
+            let help = "two quantities with different names may be of the same";
+            diagnostics.put(&format!("{path}.at_least"), diagnostic.help(help), "expected one of at_most, at_least");
+            return None;
+        }
+        (most, least) => most.map(Limit::AtMost).or(least.map(Limit::AtLeast)),
+    };
+    Some(Quantity { name: raw.name.clone()?, of, at, response, limit })
 }
 
 /// Numerical columns of a branch, and of responses.

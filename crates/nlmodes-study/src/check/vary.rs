@@ -17,9 +17,11 @@ pub fn variable(raw: &RawVary, k: usize, design: &Design, diagnostics: &mut Diag
     let path = format!("vary.{k}");
     let keys = keys(raw.key.as_ref()?, &path, diagnostics)?;
     let values = values(raw, &path, keys.len(), diagnostics)?;
-    if let (Values::Drawn(_), false) = (&values, design.kind.is_sampled()) {
-        let diagnostic = Diagnostic::error(format!("a distribution has no values for a {}", design.kind.name()))
-            .help("write `values` or `linspace`, or take `design.kind` \"sobol\", \"latin-hypercube\" or \"random\"");
+    if let (Values::Drawn(_), false) = (&values, design.kind.takes_distributions()) {
+        let diagnostic = Diagnostic::error(format!("a distribution has no values for a {}", design.kind.name())).help(
+            "write `values` or `linspace`, or take `design.kind` \"sobol\", \"latin-hypercube\", \"random\" or \
+                \"first-order\"",
+        );
         diagnostics.put(&path, diagnostic, "expected values");
         return None;
     }

@@ -33,6 +33,22 @@ pub fn at_first(curve: &Curve, x: &[f64], y: &[f64], target: f64) -> Option<Betw
     }
 }
 
+/// The slope `dy/dx` of the same curve where `x` first has the value `target`; `None` if it never has, or `x` turns
+/// there.
+pub fn slope_at_first(curve: &Curve, x: &[f64], y: &[f64], target: f64) -> Option<f64> {
+    let is_within = |w: &[f64]| (w[0] - target) * (w[1] - target) <= 0.0 && w[0] != w[1];
+    let before = x.windows(2).position(is_within)?;
+    let (from, to) = smooth_range(curve, before);
+    let places = chords(&x[from..=to], &y[from..=to]);
+    let (x, y, k) = (&x[from..=to], &y[from..=to], before - from);
+    if x.iter().chain(y).chain(&places).any(|value| !value.is_finite()) || x.len() < 3 {
+        return Some((y[k + 1] - y[k]) / (x[k + 1] - x[k]));
+    }
+    let s = root(|s| lagrange(&places, x, s) - target, places[k], places[k + 1]);
+    let slope = lagrange_slope(&places, y, s) / lagrange_slope(&places, x, s);
+    slope.is_finite().then_some(slope)
+}
+
 /// Points on either side of the largest one through which a polynomial is laid.
 const AROUND: usize = 2;
 
@@ -136,6 +152,17 @@ fn lagrange(places: &[f64], values: &[f64], s: f64) -> f64 {
     values.iter().enumerate().map(term).sum()
 }
 
+/// The slope of the polynomial through the points at `s`.
+fn lagrange_slope(places: &[f64], values: &[f64], s: f64) -> f64 {
+    let term = |(i, value): (usize, &f64)| {
+        let others = || (0..places.len()).filter(|j| *j != i);
+        let without = |j: usize| others().filter(|m| *m != j).map(|m| s - places[m]).product::<f64>();
+        let below: f64 = others().map(|j| places[i] - places[j]).product();
+        value * others().map(without).sum::<f64>() / below
+    };
+    values.iter().enumerate().map(term).sum()
+}
+
 /// A zero between two points with different signs, by bisection.
 fn root(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     let rises = f(low) < f(high);
@@ -179,6 +206,23 @@ mod tests {
             .to_vec();
         assert!(errors.iter().all(|[error, estimate]| error <= estimate), "{errors:?}");
         assert!(errors[0][0] < 1e-3 && errors[3][0] < errors[0][0] / 500.0, "{errors:?}");
+    }
+
+    #[test]
+    fn the_slope_is_that_of_the_curve() {
+        // dy/dx = cos t/(1 − t) at t = 1 − √0.4.
+        let exact = (1.0 - 0.4f64.sqrt()).cos() / 0.4f64.sqrt();
+        let errors = [20, 40, 80].map(|n| {
+            let (curve, x, y) = curve(n, |_| "");
+            (slope_at_first(&curve, &x, &y, 1.3).unwrap() - exact).abs()
+        });
+        assert!(errors[0] < 1e-2 && errors[2] < errors[0] / 30.0, "{errors:?}");
+        let (curve, x, y) = curve(80, |_| "");
+        assert!(
+            (slope_at_first(&curve, &x, &y, x[7]).unwrap() / ((7f64 / 40.0).cos() / (1.0 - 7.0 / 40.0)) - 1.0).abs()
+                < 1e-4
+        );
+        assert_eq!(slope_at_first(&curve, &x, &y, 1.6), None);
     }
 
     #[test]

@@ -34,30 +34,31 @@ pub fn pick(curve: &Curve, quantity: &Quantity) -> Picked {
 
 /// A column at a place: of several curves at the first one that has it, or the most extreme of all.
 fn of_column(curve: &Curve, quantity: &Quantity, column: &str) -> Result<Between, String> {
+    part_with(curve, quantity, column).map(|(_, found)| found)
+}
+
+/// The curve that has a column at a place, and its value there.
+pub(super) fn part_with(curve: &Curve, quantity: &Quantity, column: &str) -> Result<(Curve, Between), String> {
     let parts = curve.parts(quantity.response, false);
-    if parts.is_empty() {
-        return Err(no_curve(quantity));
-    }
-    let found = parts.iter().map(|part| at_place(part, quantity, column));
+    let found = parts.into_iter().map(|part| {
+        let value = at_place(&part, quantity, column)?;
+        Ok((part, value))
+    });
     let wanted: fn(f64, f64) -> bool = match quantity.at {
         Place::Max => |new, old| new > old,
         Place::Min => |new, old| new < old,
-        _ => {
-            let mut found: Vec<Result<Between, String>> = found.collect();
-            let first = found.iter().position(Result::is_ok).unwrap_or(0);
-            return found.swap_remove(first);
-        }
+        _ => |_, _| false,
     };
     found
-        .reduce(|best, next| match (&best, &next) {
-            (Ok(old), Ok(new)) if wanted(new.value, old.value) => next,
+        .reduce(|best: Result<(Curve, Between), String>, next| match (&best, &next) {
+            (Ok((_, old)), Ok((_, new))) if wanted(new.value, old.value) => next,
             (Err(_), Ok(_)) => next,
             _ => best,
         })
         .unwrap_or_else(|| Err(no_curve(quantity)))
 }
 
-fn no_curve(quantity: &Quantity) -> String {
+pub(super) fn no_curve(quantity: &Quantity) -> String {
     let Selected { response, level } = quantity.response;
     let response = response.map(|number| format!(" of response {number}"));
     let level = level.map(|level| format!(" at level {}", nlmodes_scene::number(level)));
@@ -95,7 +96,7 @@ fn peak(curve: &Curve, quantity: &Quantity) -> Result<Between, String> {
 }
 
 /// The frequency of the first jump of a sweep: the lowest upwards, the highest downwards.
-fn jump(curve: &Curve, quantity: &Quantity, sweep: Sweep) -> Result<Between, String> {
+pub(super) fn jump(curve: &Curve, quantity: &Quantity, sweep: Sweep) -> Result<Between, String> {
     let is_up = sweep == Sweep::Up;
     let mut levels = curve.levels(quantity.response).peekable();
     if levels.peek().is_none() {

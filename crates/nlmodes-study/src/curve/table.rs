@@ -1,6 +1,7 @@
 //! A branch from `branch.csv` and `summary.json`.
 
 use nlmodes::modal::Event;
+use nlmodes_scene::scene::ResponseKind;
 use std::fs;
 use std::io;
 use std::ops::Range;
@@ -56,8 +57,43 @@ pub struct Curve {
     events: Vec<Vec<Event>>,
     /// What the summary says of each level of responses over the frequency.
     levels: Vec<Level>,
-    /// Whether each point is one of a response over the frequency.
-    is_over_frequency: Vec<bool>,
+    /// What is held at each point where its curve is differentiated.
+    held: Vec<Held>,
+}
+
+/// What is held where the points of a curve are differentiated by a parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Held {
+    /// The averaged kinetic energy: of modes.
+    Energy,
+    /// Frequency and level, of a response over the frequency.
+    Frequency,
+    /// Frequency and level, of a response over the level.
+    FrequencyOverLevel,
+    /// The level, of phase resonances.
+    Level,
+}
+
+impl Held {
+    /// Of a curve of this kind; of a branch without kinds the energy.
+    fn of(kind: Option<&str>) -> Self {
+        let is = |wanted: ResponseKind| kind == Some(wanted.name());
+        match () {
+            () if is(ResponseKind::Frequency) => Self::Frequency,
+            () if is(ResponseKind::Force) => Self::FrequencyOverLevel,
+            () if is(ResponseKind::PhaseResonance) => Self::Level,
+            () => Self::Energy,
+        }
+    }
+
+    /// The columns that do not change with a parameter.
+    pub fn columns(self) -> &'static [&'static str] {
+        match self {
+            Self::Energy => &[ENERGY],
+            Self::Frequency | Self::FrequencyOverLevel => &["frequency_hz", "level"],
+            Self::Level => &["level"],
+        }
+    }
 }
 
 /// A level of responses over the frequency: where sweeps jump.
@@ -110,7 +146,7 @@ impl Curve {
         let level = self.column("level");
         let is_own = |k: usize| {
             let level = level.map_or(f64::NAN, |level| level[k]);
-            selected.has(response[k] as usize, level) && (!over_frequency || self.is_over_frequency[k])
+            selected.has(response[k] as usize, level) && (!over_frequency || self.held[k] == Held::Frequency)
         };
         let mut parts: Vec<Self> = Vec::new();
         let mut from = 0;
@@ -132,7 +168,7 @@ impl Curve {
             columns: self.columns.iter().map(|column| column[rows.clone()].to_vec()).collect(),
             events: self.events[rows.clone()].to_vec(),
             levels: Vec::new(),
-            is_over_frequency: self.is_over_frequency[rows].to_vec(),
+            held: self.held[rows].to_vec(),
         }
     }
 
@@ -145,7 +181,7 @@ impl Curve {
             columns: vec![Vec::new(); header.len()],
             events: Vec::new(),
             levels: Vec::new(),
-            is_over_frequency: Vec::new(),
+            held: Vec::new(),
         };
         let kind = header.iter().position(|name| name == KIND);
         let event = header.iter().position(|name| name == EVENT);
@@ -154,7 +190,7 @@ impl Curve {
             for (column, cell) in curve.columns.iter_mut().zip(&row) {
                 column.push(cell.parse().unwrap_or(f64::NAN));
             }
-            curve.is_over_frequency.push(kind.and_then(|k| row.get(k)) == Some("frequency"));
+            curve.held.push(Held::of(kind.and_then(|k| row.get(k))));
             let events = event.and_then(|k| row.get(k)).unwrap_or_default();
             curve.events.push(events.split_whitespace().filter_map(Event::from_name).collect());
         }
@@ -179,6 +215,11 @@ impl Curve {
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         let k = self.names.iter().position(|known| known == name)?;
         self.columns.get(k).map(Vec::as_slice)
+    }
+
+    /// What is held where its first point is differentiated; of one curve the same for all.
+    pub fn held(&self) -> Held {
+        self.held.first().copied().unwrap_or(Held::Energy)
     }
 
     /// The events of each point.

@@ -4,6 +4,7 @@ use serde_json::Value;
 
 use super::random::{independent, latin_hypercube};
 use super::sobol::Sobol;
+use crate::first_order::Tolerance;
 use crate::study::{Design, DesignKind, Study, Values, Variable};
 
 /// The points of a study's design, computed on request.
@@ -29,7 +30,7 @@ impl<'a> Points<'a> {
         // Sobol' indices use pairs of independent points.
         let dimensions = if design.sobol_indices { 2 * variables } else { variables };
         let unit = match design.kind {
-            DesignKind::Grid | DesignKind::List => Unit::None,
+            DesignKind::Grid | DesignKind::List | DesignKind::FirstOrder => Unit::None,
             DesignKind::Sobol => Unit::Sequence(Sobol::new(dimensions, design.seed)),
             DesignKind::LatinHypercube => Unit::Listed(latin_hypercube(design.samples, dimensions, design.seed)),
             DesignKind::Random => Unit::Listed(independent(design.samples, dimensions, design.seed)),
@@ -52,6 +53,7 @@ impl<'a> Points<'a> {
         match self.study.design.kind {
             DesignKind::Grid => self.of_grid(number),
             DesignKind::List => self.study.variables.iter().map(|variable| listed(variable, number)).collect(),
+            DesignKind::FirstOrder => self.study.variables.iter().map(|one| nominal(one, &self.study.design)).collect(),
             _ => {
                 let unit = self.unit_point(number);
                 self.study.variables.iter().zip(unit).map(|(variable, u)| drawn(variable, u)).collect()
@@ -101,6 +103,7 @@ fn count(study: &Study) -> usize {
     match kind {
         DesignKind::Grid => study.variables.iter().map(n_listed).product(),
         DesignKind::List => study.variables.iter().map(n_listed).min().unwrap_or(1),
+        DesignKind::FirstOrder => 1,
         _ if *sobol_indices => samples * (study.variables.len() + 2),
         _ => *samples,
     }
@@ -118,6 +121,14 @@ fn listed(variable: &Variable, number: usize) -> Vec<Value> {
     match &variable.values {
         Values::Listed(values) => values.get(number).cloned().unwrap_or_default(),
         Values::Drawn(_) => Vec::new(),
+    }
+}
+
+/// The mean of a variable; of one without a mean its first value.
+fn nominal(variable: &Variable, design: &Design) -> Vec<Value> {
+    match Tolerance::of(variable, design) {
+        Ok(tolerance) => vec![Value::from(tolerance.mean); variable.keys.len()],
+        Err(_) => listed(variable, 0),
     }
 }
 

@@ -46,6 +46,9 @@ pub fn statistics(all: &[Statistics]) -> String {
 fn of_one(statistics: &Statistics) -> String {
     let Some(spread) = &statistics.spread else { return "<p>No case has it.</p>\n".into() };
     let row = |name: &str, value: String| format!("<tr><th>{name}</th><td class=\"number\">{value}</td></tr>");
+    if spread.count < 2 {
+        return format!("<p>{} in its only case.</p>\n", number(spread.mean));
+    }
     let mut rows = row("values", spread.count.to_string());
     rows += &row("mean", format!("{} ± {:.1e}", number(spread.mean), spread.mean_error));
     rows += &row("standard deviation", format!("{:.4e}", spread.std));

@@ -84,7 +84,7 @@ mod tests {
             title: String::new(),
             scene_name: String::new(),
             scene_text: String::new(),
-            design: Design { kind, samples, seed: 3, sobol_indices: true },
+            design: Design { kind, samples, seed: 3, sobol_indices: true, first_order: false, box_deviations: 3.0 },
             variables: (0..variables).map(variable).collect(),
             quantities: Vec::new(),
             directory: std::path::PathBuf::new(),

@@ -17,6 +17,8 @@ pub struct Spread {
     pub mean_error: f64,
     /// Standard deviation, of n − 1.
     pub std: f64,
+    /// Its standard error of independent values, from their fourth moment.
+    pub std_error: f64,
     /// Smallest value.
     pub min: f64,
     /// Largest value.
@@ -34,10 +36,15 @@ impl Spread {
         // About the midpoint of the range, to avoid cancellation if the scatter is small.
         let middle = 0.5 * (min + max);
         let mean = middle + values.iter().map(|x| x - middle).sum::<f64>() / n;
-        let squares: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
+        let power = |k: i32| values.iter().map(|x| (x - mean).powi(k)).sum::<f64>();
+        let squares = power(2);
         let std = if n > 1.0 { (squares / (n - 1.0)).sqrt() } else { f64::NAN };
+        // Of the variance it is √((m₄ − (n − 3)/(n − 1) σ⁴)/n).
+        let of_variance = ((power(4) / n - (n - 3.0) / (n - 1.0) * std.powi(4)) / n).max(0.0).sqrt();
+        let std_error = if std > 0.0 { of_variance / (2.0 * std) } else { 0.0 };
         let quantiles = SHARES.iter().map(|share| [*share, quantile(&sorted, *share)]).collect();
-        Some(Self { count: values.len(), mean, mean_error: std / n.sqrt(), std, min, max, quantiles })
+        let (count, mean_error) = (values.len(), std / n.sqrt());
+        Some(Self { count, mean, mean_error, std, std_error, min, max, quantiles })
     }
 }
 
@@ -65,5 +72,11 @@ mod tests {
             assert!((value - wanted).abs() < 1e-12, "{value} {wanted}");
         }
         assert_eq!(Spread::new(&[]), None);
+        // Of n values on two points the deviation is known exactly: the fourth moment is the square of the variance.
+        let even = Spread::new(&[1.0, 2.0].repeat(500)).unwrap();
+        assert!(even.std_error < 0.05 * even.std / 1000f64.sqrt(), "{}", even.std_error);
+        let uniform = Spread::new(&(0..1000).map(f64::from).collect::<Vec<_>>()).unwrap();
+        // √((9/5 − 1)/(4 n)) of it for a uniform distribution.
+        assert!((uniform.std_error / uniform.std - (0.2f64 / 1000.0).sqrt()).abs() < 1e-4, "{}", uniform.std_error);
     }
 }

@@ -18,6 +18,8 @@ pub enum DesignKind {
     LatinHypercube,
     /// Independent random points
     Random,
+    /// The variables at their means alone, with gradients, and what follows from these
+    FirstOrder,
 }
 
 impl DesignKind {
@@ -29,12 +31,18 @@ impl DesignKind {
             Self::Sobol => "sobol",
             Self::LatinHypercube => "latin-hypercube",
             Self::Random => "random",
+            Self::FirstOrder => "first-order",
         }
     }
 
     /// Whether points are drawn from distributions.
     pub fn is_sampled(self) -> bool {
         matches!(self, Self::Sobol | Self::LatinHypercube | Self::Random)
+    }
+
+    /// Whether variables may have distributions.
+    pub fn takes_distributions(self) -> bool {
+        self.is_sampled() || self == Self::FirstOrder
     }
 }
 
@@ -49,4 +57,8 @@ pub struct Design {
     pub seed: u64,
     /// Whether each base point has the additional ones for Sobol' indices.
     pub sobol_indices: bool,
+    /// Whether spread and worst corners are computed from gradients, too.
+    pub first_order: bool,
+    /// Where a distribution has no limits, the box of tolerances ends this many standard deviations from the mean.
+    pub box_deviations: f64,
 }
