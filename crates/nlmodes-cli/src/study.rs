@@ -1,6 +1,7 @@
 //! `nlmodes-cli study`: thousands of branches and their statistics.
 
 mod collect;
+mod fit;
 mod run;
 mod serve;
 mod slurm;
@@ -35,6 +36,15 @@ Example:
 
 Exit status 1 where cases are missing or damaged: the table says which.")]
     Collect(collect::Arguments),
+    /// Fit the variables to measured points of a curve, with their covariance
+    #[command(after_help = "\
+Example:
+  nlmodes-cli study fit configs/studies/fit_backbone.toml
+
+The table [fit] names the file with the points; the variables begin at the values of the scene. Each trial is a case \
+    with gradients; what is there is not computed again.
+Exit status 1 where no values are found.")]
+    Fit(fit::Arguments),
     /// Write a study as an array job of a Slurm cluster, each task a share of many cases
     #[command(after_help = "\
 Example:
@@ -90,6 +100,7 @@ pub fn run(command: &Command) -> Status {
         Command::Run(arguments) => run::run(arguments),
         Command::Status(place) => place.with(status),
         Command::Collect(arguments) => collect::run(arguments),
+        Command::Fit(arguments) => fit::run(arguments),
         Command::Slurm(arguments) => slurm::write(arguments),
         Command::Serve(arguments) => serve::serve(arguments),
     }

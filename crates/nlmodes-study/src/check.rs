@@ -1,5 +1,6 @@
 //! Conversion of the tables of a study file to a study.
 
+mod fit;
 mod list;
 mod quantity;
 mod said;
@@ -30,8 +31,11 @@ pub fn study(
     let stem = Path::new(name).file_stem().map_or_else(|| "study".into(), |stem| stem.to_string_lossy().into_owned());
     let design = design(raw.design.as_ref().unwrap_or(&RawDesign::default()), diagnostics);
     let tables = raw.vary.as_deref().unwrap_or_default();
-    let mut variables: Vec<Variable> =
-        tables.iter().enumerate().filter_map(|(k, raw)| vary::variable(raw, k, &design, diagnostics)).collect();
+    let mut variables: Vec<Variable> = tables
+        .iter()
+        .enumerate()
+        .filter_map(|(k, one)| vary::variable(one, (k, raw.fit.is_some()), &design, diagnostics))
+        .collect();
     if let Some(file) = raw.design.as_ref().and_then(|design| design.file.as_ref()) {
         variables = list::variables(&base.join(file), &design, tables.len(), diagnostics).unwrap_or_default();
     } else if tables.is_empty() {
@@ -41,6 +45,7 @@ pub fn study(
     }
     vary::same_lengths(&variables, &design, diagnostics);
     let quantities = quantity::quantities(raw.quantity.as_deref().unwrap_or_default(), diagnostics);
+    let fit = raw.fit.as_ref().and_then(|raw| fit::measured(raw, &base, diagnostics));
     names_differ(&variables, &quantities, diagnostics);
     let path = base.join(raw.scene.as_ref()?);
     let scene_text = scene(&path)
@@ -55,6 +60,7 @@ pub fn study(
         design,
         variables,
         quantities,
+        fit,
         directory: directory.map_or_else(|| Path::new("results").join(&stem), PathBuf::from),
         keep,
     };

@@ -6,5 +6,5 @@ mod slope;
 mod table;
 
 pub use pick::{Picked, pick};
-pub use slope::derivatives;
+pub use slope::{DIFFERENTIATED, derivatives};
 pub use table::{Curve, CurveError, ENERGY_RATIO, Held, Level, has_numbers};

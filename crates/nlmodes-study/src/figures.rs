@@ -71,7 +71,7 @@ fn percentiles(points: &[(f64, f64)]) -> [Vec<(f64, f64)>; 3] {
 }
 
 /// A portable file name.
-fn plain(name: &str) -> String {
+pub fn plain(name: &str) -> String {
     name.chars().map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' }).collect()
 }
 

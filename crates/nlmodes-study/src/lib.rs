@@ -16,6 +16,7 @@
 //! | [`run`](run::run()), [`Settings`], [`Shard`] | computes missing cases, one branch per thread |
 //! | [`Collected`] | the [`Table`] of existing cases, its [`Statistics`], its page |
 //! | [`FirstOrder`] | what gradients say: spread, worst corners, how much of the tolerances keeps to a limit |
+//! | [`fit()`] | the variables from measured points, with their covariance |
 //! | [`Evaluator`] | single cases for an optimiser or sampler |
 //! | [`serve`] | the same line by line of JSON, for a program in another language |
 //! | [`slurm`] | a study as an array job |
@@ -80,6 +81,7 @@ mod error;
 mod evaluate;
 mod figures;
 mod first_order;
+mod fit;
 mod page;
 mod raw;
 mod read;
@@ -100,6 +102,7 @@ pub use distribution::{Distribution, Moments};
 pub use error::StudyError;
 pub use evaluate::{Answer, Evaluator};
 pub use first_order::{Compared, Corner, Effect, FirstOrder, Kept, OfQuantity};
+pub use fit::{FitError, FitOutcome, Fitted, FittedRow, fit};
 pub use read::{StudyFile, schema};
 pub use run::{Settings, Shard, StudyObserver, StudyOutcome, StudyProgress, run};
 pub use serve::serve;
@@ -107,5 +110,8 @@ pub use statistics::{
     Correlation, Sensitivity, SobolIndex, Spread, Statistics, quantile, rank_correlation, sobol_indices,
 };
 pub use store::{CaseRecord, Status, Store};
-pub use study::{Design, DesignKind, Keep, Limit, Of, Place, Quantity, Selected, Study, Sweep, Values, Variable};
+pub use study::{
+    Design, DesignKind, Keep, Limit, Measured, MeasuredColumn, Of, Place, Quantity, Selected, Study, Sweep, Values,
+    Variable,
+};
 pub use table::{Cells, Column, Table};

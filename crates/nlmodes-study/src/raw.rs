@@ -22,8 +22,32 @@ pub struct RawStudy {
     pub vary: Option<Vec<RawVary>>,
     /// Quantities of each case, each under its own heading `[[quantity]]`
     pub quantity: Option<Vec<RawQuantity>>,
+    /// Measured points to which the variables are fitted, by `nlmodes-cli study fit`
+    pub fit: Option<RawFit>,
     /// Directory of the results
     pub output: Option<RawOutput>,
+}
+
+/// Measured points to which the variables are fitted.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(extend("required" = ["measured", "over"]))]
+pub struct RawFit {
+    /// A CSV with columns of `branch.csv`, and the standard deviation of a column `frequency_hz` as `frequency_hz_std`;
+    /// a path relative to this file
+    #[schemars(required, length(min = 1))]
+    pub measured: Option<String>,
+    /// The column that says where on the curve a row is, such as "level" or "fundamental_m"; its values count as exact
+    #[schemars(required, length(min = 1))]
+    pub over: Option<String>,
+    /// The columns that are fitted; default: all of the file that have derivatives
+    #[schemars(length(min = 1))]
+    pub columns: Option<Vec<String>>,
+    /// Number of the response in the scene that was measured, from 1; default: all
+    #[schemars(range(min = 1, max = 1000))]
+    pub response: Option<u32>,
+    /// Level at which it was measured, in the unit of the load; default: all
+    pub level: Option<f64>,
 }
 
 /// The cases to compute.

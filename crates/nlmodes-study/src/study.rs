@@ -191,6 +191,30 @@ impl Quantity {
     }
 }
 
+/// Measured points to which variables are fitted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measured {
+    /// The column that says where on the curve each row is.
+    pub over: String,
+    /// Its value in each row.
+    pub places: Vec<f64>,
+    /// The columns that are fitted.
+    pub columns: Vec<MeasuredColumn>,
+    /// The responses that were measured.
+    pub response: Selected,
+}
+
+/// A column that is fitted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredColumn {
+    /// Its name in `branch.csv`.
+    pub name: String,
+    /// Its value and standard deviation in each row; none where a cell is empty.
+    pub cells: Vec<Option<[f64; 2]>>,
+    /// Whether its standard deviations are stated; else all are one.
+    pub has_deviations: bool,
+}
+
 /// A study that was checked.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Study {
@@ -206,6 +230,8 @@ pub struct Study {
     pub variables: Vec<Variable>,
     /// The quantities of each case.
     pub quantities: Vec<Quantity>,
+    /// Measured points to which the variables are fitted.
+    pub fit: Option<Measured>,
     /// Directory of the study.
     pub directory: PathBuf,
     /// Files kept of each case.

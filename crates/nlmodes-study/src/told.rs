@@ -1,6 +1,7 @@
 //! Messages about studies.
 
 mod first_order;
+mod fit;
 
 use std::fmt::{Display, Formatter, Result};
 use std::time::Duration;

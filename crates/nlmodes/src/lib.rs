@@ -54,6 +54,7 @@
 //! modal analysis of nonsmooth systems*, Mechanical Systems and Signal Processing 120 (2019) 793-807.
 
 pub mod branches;
+pub mod least_squares;
 pub mod updating;
 pub mod virtual_test;
 

@@ -2,8 +2,10 @@
 
 use std::error::Error;
 
-use nlmodes_linalg::{LinalgError, Mat, symmetric_eigen};
+use nlmodes_linalg::LinalgError;
 use thiserror::Error;
+
+use crate::least_squares::{Residuals, SearchError, SearchSettings, least_squares};
 
 /// A linear frequency that the structure is to have.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -80,13 +82,6 @@ pub enum UpdatingError<E: Error + 'static> {
 /// Step of the logarithms of the parameters in central differences: rounding of the frequencies and curvature are
 /// equally small.
 const DIFFERENCE: f64 = 1e-4;
-/// Largest change of a logarithm in one step.
-const LARGEST_STEP: f64 = 1.0;
-/// Change of the logarithms below which the parameters are found.
-const SMALLEST_STEP: f64 = 1e-10;
-/// Eigenvalue of the normal equations, over the largest, below which parameters count as indistinct.
-const INDISTINCT: f64 = 1e-10;
-const MAX_STEPS: usize = 50;
 
 /// Finds positive parameters `p`, from `start` on, such that the linear frequencies `f_r(p)` are those of the targets:
 /// exactly, where there are as many as parameters, else with the least
@@ -125,33 +120,62 @@ pub fn update_parameters<E: Error + 'static>(
     if let Some(value) = given.into_iter().find(|v| !(v.is_finite() && *v > 0.0)) {
         return Err(UpdatingError::NotPositive { value });
     }
-    let mut at = |x: &[f64]| -> Result<Vec<f64>, UpdatingError<E>> {
+    let mut model = Logarithms { frequencies: &mut frequencies, targets };
+    let x: Vec<f64> = start.iter().map(|p| p.ln()).collect();
+    let found = least_squares(&x, &SearchSettings::default(), &mut model)?;
+    let worst = found.residual.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
+    let is_exact = parameters == count;
+    // Rounding ends the search where the frequencies are met, or where no slope is left.
+    if !found.is_found && found.step > 1e-7 && (is_exact && worst > 1e-9 || !is_exact) {
+        return Err(UpdatingError::NotConverged { iterations: found.iterations, worst });
+    }
+    let values = found.x.iter().map(|x| x.exp()).collect();
+    let [before, after] = [&found.before, &found.residual].map(|residual| hertz(residual, targets));
+    Ok(Updated { values, before, after, iterations: found.iterations })
+}
+
+/// `ln f_r − ln f_r*` over the logarithms of the parameters.
+struct Logarithms<'a, F> {
+    frequencies: &'a mut F,
+    targets: &'a [FrequencyTarget],
+}
+
+impl<E: Error + 'static, F: FnMut(&[f64]) -> Result<Vec<f64>, E>> Logarithms<'_, F> {
+    fn at(&mut self, x: &[f64]) -> Result<Vec<f64>, UpdatingError<E>> {
         let values: Vec<f64> = x.iter().map(|x| x.exp()).collect();
-        off(&frequencies(&values).map_err(UpdatingError::Model)?, targets)
-    };
-    let mut x: Vec<f64> = start.iter().map(|p| p.ln()).collect();
-    let mut residual = at(&x)?;
-    let before = hertz(&residual, targets);
-    for iterations in 1..=MAX_STEPS {
-        let step = gauss_newton(&slopes(&x, &mut at)?, &residual)?;
-        let size = step.iter().fold(0.0_f64, |m, s| m.max(s.abs()));
-        let (moved, next) = shortened(&x, &step, size, &residual, &mut at)?;
-        let is_better = square(&next) < square(&residual);
-        if is_better {
-            (x, residual) = (moved, next);
-        }
-        if size < SMALLEST_STEP || !is_better {
-            let worst = residual.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
-            // Rounding ends the search where the frequencies are met, or where no slope is left.
-            if size > 1e-7 && (parameters == count && worst > 1e-9 || parameters < count) {
-                return Err(UpdatingError::NotConverged { iterations, worst });
-            }
-            let values = x.iter().map(|x| x.exp()).collect();
-            return Ok(Updated { values, before, after: hertz(&residual, targets), iterations });
+        off(&(self.frequencies)(&values).map_err(UpdatingError::Model)?, self.targets)
+    }
+}
+
+impl<E: Error + 'static, F: FnMut(&[f64]) -> Result<Vec<f64>, E>> Residuals for Logarithms<'_, F> {
+    type Error = UpdatingError<E>;
+
+    fn residual(&mut self, x: &[f64]) -> Result<Option<Vec<f64>>, UpdatingError<E>> {
+        self.at(x).map(Some)
+    }
+
+    fn slopes(&mut self, x: &[f64]) -> Result<Vec<Vec<f64>>, UpdatingError<E>> {
+        let one = |j: usize| {
+            let mut shifted = |by: f64| {
+                let mut x = x.to_vec();
+                x[j] += by;
+                self.at(&x)
+            };
+            let (plus, minus) = (shifted(DIFFERENCE)?, shifted(-DIFFERENCE)?);
+            Ok(plus.iter().zip(&minus).map(|(p, m)| (p - m) / (2.0 * DIFFERENCE)).collect())
+        };
+        (0..x.len()).map(one).collect()
+    }
+}
+
+impl<E: Error + 'static> From<SearchError<UpdatingError<E>>> for UpdatingError<E> {
+    fn from(error: SearchError<UpdatingError<E>>) -> Self {
+        match error {
+            SearchError::Model(error) => error,
+            SearchError::Linalg(source) => Self::Linalg(source),
+            SearchError::Start | SearchError::Indistinct { .. } => Self::Indistinct,
         }
     }
-    let worst = residual.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
-    Err(UpdatingError::NotConverged { iterations: MAX_STEPS, worst })
 }
 
 /// `ln f_r − ln f_r*` of each target.
@@ -166,62 +190,4 @@ fn off<E: Error + 'static>(found: &[f64], targets: &[FrequencyTarget]) -> Result
 
 fn hertz(residual: &[f64], targets: &[FrequencyTarget]) -> Vec<f64> {
     residual.iter().zip(targets).map(|(r, t)| t.frequency * r.exp()).collect()
-}
-
-fn square(residual: &[f64]) -> f64 {
-    residual.iter().map(|r| r * r).sum()
-}
-
-/// Derivatives of the residual, one column a parameter.
-fn slopes<E: Error + 'static>(
-    x: &[f64],
-    at: &mut impl FnMut(&[f64]) -> Result<Vec<f64>, UpdatingError<E>>,
-) -> Result<Vec<Vec<f64>>, UpdatingError<E>> {
-    (0..x.len())
-        .map(|j| {
-            let mut shifted = |by: f64| {
-                let mut x = x.to_vec();
-                x[j] += by;
-                at(&x)
-            };
-            let (plus, minus) = (shifted(DIFFERENCE)?, shifted(-DIFFERENCE)?);
-            Ok(plus.iter().zip(&minus).map(|(p, m)| (p - m) / (2.0 * DIFFERENCE)).collect())
-        })
-        .collect()
-}
-
-/// Least squares by the normal equations: with a few logarithms as unknowns they are well scaled.
-fn gauss_newton<E: Error + 'static>(columns: &[Vec<f64>], residual: &[f64]) -> Result<Vec<f64>, UpdatingError<E>> {
-    let n = columns.len();
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let normal = Mat::from_fn(n, n, |i, j| dot(&columns[i], &columns[j]));
-    let (values, vectors) = symmetric_eigen(&normal).map_err(UpdatingError::Linalg)?;
-    if values[0] <= INDISTINCT * values[n - 1] || values[n - 1] == 0.0 {
-        return Err(UpdatingError::Indistinct);
-    }
-    let mut step = vec![0.0; n];
-    for (k, value) in values.iter().enumerate() {
-        let share = (0..n).map(|i| vectors[(i, k)] * dot(&columns[i], residual)).sum::<f64>() / value;
-        step.iter_mut().enumerate().for_each(|(i, s)| *s -= share * vectors[(i, k)]);
-    }
-    Ok(step)
-}
-
-/// The step, not too long and halved until it brings the frequencies closer; where it never does, its shortest trial.
-fn shortened<E: Error + 'static>(
-    x: &[f64],
-    step: &[f64],
-    size: f64,
-    residual: &[f64],
-    at: &mut impl FnMut(&[f64]) -> Result<Vec<f64>, UpdatingError<E>>,
-) -> Result<(Vec<f64>, Vec<f64>), UpdatingError<E>> {
-    let mut share = (LARGEST_STEP / size).min(1.0);
-    loop {
-        let moved: Vec<f64> = x.iter().zip(step).map(|(x, s)| x + share * s).collect();
-        let next = at(&moved)?;
-        if square(&next) < square(residual) || share * size < SMALLEST_STEP || share < 1e-6 {
-            return Ok((moved, next));
-        }
-        share *= 0.5;
-    }
 }

@@ -12,11 +12,20 @@ const WAYS: [&str; 6] = ["values", "linspace", "uniform", "loguniform", "normal"
 /// Maximum number of values of a `linspace`.
 const MAX_VALUES: f64 = 1e6;
 
-/// The variable of the table number `k`.
-pub fn variable(raw: &RawVary, k: usize, design: &Design, diagnostics: &mut Diagnostics<'_>) -> Option<Variable> {
+/// The variable of the table number `k`; one that `is_fitted` may begin at the value that the scene has.
+pub fn variable(
+    raw: &RawVary,
+    (k, is_fitted): (usize, bool),
+    design: &Design,
+    diagnostics: &mut Diagnostics<'_>,
+) -> Option<Variable> {
     let path = format!("vary.{k}");
     let keys = keys(raw.key.as_ref()?, &path, diagnostics)?;
-    let values = values(raw, &path, keys.len(), diagnostics)?;
+    let is_as_written = is_fitted && !given(raw).contains(&true);
+    let values = match is_as_written {
+        true => Values::Listed(Vec::new()),
+        false => values(raw, &path, keys.len(), diagnostics)?,
+    };
     if let (Values::Drawn(_), false) = (&values, design.kind.takes_distributions()) {
         let diagnostic = Diagnostic::error(format!("a distribution has no values for a {}", design.kind.name())).help(
             "write `values` or `linspace`, or take `design.kind` \"sobol\", \"latin-hypercube\", \"random\" or \
@@ -64,16 +73,20 @@ fn keys(raw: &Value, path: &str, diagnostics: &mut Diagnostics<'_>) -> Option<Ve
     Some(texts)
 }
 
-fn values(raw: &RawVary, path: &str, n_keys: usize, diagnostics: &mut Diagnostics<'_>) -> Option<Values> {
-    let given = [
+/// Which of the ways a table takes.
+fn given(raw: &RawVary) -> [bool; 6] {
+    [
         raw.values.is_some(),
         raw.linspace.is_some(),
         raw.uniform.is_some(),
         raw.loguniform.is_some(),
         raw.normal.is_some(),
         raw.lognormal.is_some(),
-    ];
-    let ways: Vec<&str> = WAYS.iter().zip(given).filter(|(_, given)| *given).map(|(way, _)| *way).collect();
+    ]
+}
+
+fn values(raw: &RawVary, path: &str, n_keys: usize, diagnostics: &mut Diagnostics<'_>) -> Option<Values> {
+    let ways: Vec<&str> = WAYS.iter().zip(given(raw)).filter(|(_, given)| *given).map(|(way, _)| *way).collect();
     let [_] = ways.as_slice() else {
         let misspelt = WAYS.iter().any(|way| diagnostics.is_meant(&format!("{path}.{way}")));
         if !(ways.is_empty() && misspelt) {

@@ -12,7 +12,7 @@ use super::{Curve, ENERGY_RATIO, Held};
 use crate::study::{Of, Place, Quantity, Sweep};
 
 /// The columns of `branch.csv` that have derivatives, with what these are of.
-const DIFFERENTIATED: [(&str, GradientOf); 7] = [
+pub const DIFFERENTIATED: [(&str, GradientOf); 7] = [
     ("frequency_hz", GradientOf::Frequency),
     ("fundamental_m", GradientOf::Amplitude),
     ("peak_m", GradientOf::Peak),

@@ -87,6 +87,7 @@ mod tests {
             design: Design { kind, samples, seed: 3, sobol_indices: true, first_order: false, box_deviations: 3.0 },
             variables: (0..variables).map(variable).collect(),
             quantities: Vec::new(),
+            fit: None,
             directory: std::path::PathBuf::new(),
             keep: Default::default(),
         };
