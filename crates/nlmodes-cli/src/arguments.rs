@@ -13,7 +13,7 @@ use crate::explore;
 #[cfg(feature = "print")]
 use crate::figures;
 use crate::options::RunOptions;
-use crate::{at, compare, lcp, new, settle, study, verify};
+use crate::{at, compare, follow, lcp, new, settle, study, verify};
 
 /// Nonlinear modes of structures with one-sided contact
 ///
@@ -140,6 +140,18 @@ The motion is disturbed along the vector of its largest multiplier and integrate
 
 Exit status 1 where the motion cannot be integrated, 2 where the directory holds no such point.")]
     Settle(settle::Arguments),
+    /// Follow a fold, a first touch, or a mode at an energy over a parameter: the jump frequency over a gap
+    #[command(after_help = "\
+Examples:
+  nlmodes-cli follow response.toml --over contact.0.gap_m --from 0.8e-3 --to 1.2e-3 --level 15
+  nlmodes-cli follow response.toml --of touch --over contact.0.gap_m --from 0.8e-3 --to 1.2e-3 --level 15
+  nlmodes-cli follow configs/rod.toml --of mode --energy-j 1e9 --over contact.0.gap_m --from 0.3 --to 0.8
+
+The parameters are those of [[sensitivity]]. Each fold of the response is followed both ways from the value of the scene, \
+    also through values where it turns back.
+
+Exit status 1 where a curve ends before the window does, 2 where the scene has no such motion.")]
+    Follow(follow::Arguments),
     /// Read and check a scene, and print what would be computed; computes only linear modes and writes nothing
     #[command(after_help = "Example:\n  nlmodes-cli check configs/rod.toml --set method.switching=sampled")]
     Check {

@@ -20,7 +20,7 @@ use crate::figures;
 use crate::observer::TerminalObserver;
 use crate::options::RunOptions;
 use crate::terminal::{print, refuse, refuse_run, wants_colours};
-use crate::{Status, at, compare, design, extract, lcp, modes, new, program, run, settle, study, verify};
+use crate::{Status, at, compare, design, extract, follow, lcp, modes, new, program, run, settle, study, verify};
 
 /// Parses the arguments of the process and executes the command. Wrong calls end the process with status 2.
 pub fn run() -> Status {
@@ -45,6 +45,7 @@ pub fn run_with(arguments: Vec<OsString>) -> Status {
         Command::At(arguments) => at::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Settle(arguments) => settle::run(&arguments),
+        Command::Follow(arguments) => follow::run(&arguments),
         Command::Modes { mut scene, count } => {
             scene.overrides.extend(count.map(|count| format!("reduction.modes={count}")));
             with_structure(&scene, |file| with_parameters(file, modes::run))

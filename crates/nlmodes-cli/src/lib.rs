@@ -24,6 +24,7 @@ mod explore;
 mod extract;
 #[cfg(feature = "print")]
 mod figures;
+mod follow;
 mod interrupt;
 mod lcp;
 mod modes;

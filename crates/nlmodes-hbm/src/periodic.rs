@@ -40,7 +40,7 @@ pub use load::{Load, LoadTerm};
 pub use motion::{ContactMotion, PeriodicMotion, largest_value};
 pub use operating_point::{Closing, Column, OperatingPoint, Source};
 pub use refine::Refined;
-pub use sensitivity::{MotionChange, Watched};
+pub use sensitivity::{MotionChange, Opening, Watched};
 pub use start::{Grazing, ModeAtRest, modal_grazing, modal_grazing_opened, modal_lift_off, modal_lift_off_opened};
 pub(crate) use start::{STRAINLESS, unless_touching};
 pub use structure::{ModalStructure, ResponseRow};

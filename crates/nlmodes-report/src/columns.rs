@@ -5,6 +5,7 @@ use std::fmt::Write;
 
 mod differences;
 mod files;
+mod follow;
 mod gradients;
 mod points;
 mod records;
@@ -13,6 +14,7 @@ mod transient;
 
 pub use differences::{DifferenceRow, ResponseDifferenceRow, StopDifferenceRow};
 pub use files::FILES;
+pub use follow::FollowRow;
 pub use gradients::{GRADIENT_COLUMNS, GradientCells, GradientColumns};
 pub use points::{AppropriationRow, BranchRow, ContactRow, ParticipationRow, ResponseOf, ResponseRow};
 pub use records::{DecayRow, ModalPointRow};

@@ -115,6 +115,20 @@ pub enum ResponseError {
     /// The structure at another value of a parameter has other degrees of freedom.
     #[error("at another value of the parameter the mesh is another one: a node is put beside one that stays")]
     MeshOfGradient,
+    /// The structure at a value of a parameter.
+    #[error("with the parameter at {}: {why}", rounded(*value, 9))]
+    AtValue {
+        /// The value.
+        value: f64,
+        /// Why it is not there.
+        why: String,
+    },
+    /// The curve over a parameter.
+    #[error("the curve over the parameter: {why}")]
+    OverParameter {
+        /// Why there is none.
+        why: String,
+    },
     /// The end was requested before the first point.
     #[error("it was asked to end before there was a point")]
     Stopped,

@@ -5,7 +5,7 @@ use nlmodes_contact::LcpSolver;
 use nlmodes_continuation::{
     Bound, Branch, BranchPoint, Budget, Continuation, EventKind, Linearization, ParametricSystem, StopReason,
 };
-use nlmodes_hbm::{PeriodicSystem, PhaseLag, Refined, ResponseRow, Source};
+use nlmodes_hbm::{PeriodicMotion, PeriodicSystem, PhaseLag, Refined, ResponseRow, Source};
 use nlmodes_linalg::DenseLu;
 use num_complex::Complex64;
 
@@ -167,12 +167,6 @@ impl Curve<'_> {
         Ok(found)
     }
 
-    /// The motion next to a guess, without stability, events and gradients.
-    pub fn near(&mut self, at: &BranchPoint) -> Result<ResponsePoint, ResponseError> {
-        let found = self.solved(at);
-        self.motion(None, found)
-    }
-
     /// The solution next to a point, to rounding.
     fn solved(&mut self, at: &BranchPoint) -> Refined {
         // A free phase is held at that of the point itself, not at that of the last one that was found.
@@ -182,6 +176,28 @@ impl Curve<'_> {
 
     pub fn point(&mut self, at: &BranchPoint) -> Result<ResponsePoint, ResponseError> {
         let found = self.solved(at);
+        self.point_of(at, found)
+    }
+
+    /// The same of the solution across the tangent of a guess, wherever its parameter goes: next to a fold there may be
+    /// none at that of the guess.
+    pub fn point_across(&mut self, at: &BranchPoint) -> Result<ResponsePoint, ResponseError> {
+        let found = self.across(at);
+        self.point_of(at, found)
+    }
+
+    /// The motion across the tangent of a guess, without stability, events and gradients.
+    pub fn near_across(&mut self, at: &BranchPoint) -> Result<ResponsePoint, ResponseError> {
+        let found = self.across(at);
+        self.motion(None, found)
+    }
+
+    fn across(&mut self, at: &BranchPoint) -> Refined {
+        self.system.hold_phase(&at.x);
+        self.system.refine(&at.x, at.p, &at.tangent)
+    }
+
+    fn point_of(&mut self, at: &BranchPoint, found: Refined) -> Result<ResponsePoint, ResponseError> {
         let gradients = match &self.settings.gradients {
             gradients if gradients.changes.is_empty() || self.settings.watch.asks_to_end() => Vec::new(),
             gradients => self.system.sensitivities(&found, gradients.watched.as_ref(), &gradients.changes)?,
@@ -212,11 +228,7 @@ impl Curve<'_> {
         let system = another.unwrap_or(&mut self.system);
         let motion = system.refined_motion(&found)?;
         let Refined { x, p, residual, .. } = found;
-        let of = |row: &ResponseRow, harmonic: usize| {
-            let own = system.load().terms().iter().zip(&row.loads).filter(|(term, _)| term.harmonic == harmonic);
-            let moved = own.map(|(term, a)| a * motion.at.level * motion.at.omega.powi(term.omega_power));
-            motion.displacement(row)[harmonic] + moved.sum::<Complex64>()
-        };
+        let of = |row: &ResponseRow, harmonic: usize| amplitude(system, &motion, row, harmonic);
         let drive = self.drive.as_ref().map_or(Complex64::default(), |drive| of(&drive.row, drive.harmonic));
         let watched = self.settings.gradients.watched.as_ref();
         let watched = watched.map_or(0.0, |watched| of(&watched.row, watched.harmonic).norm());
@@ -245,6 +257,18 @@ impl Curve<'_> {
     pub fn parameter(&self) -> usize {
         self.system.dim()
     }
+}
+
+/// Complex amplitude of a displacement of a motion in one harmonic, with what the load moves statically.
+pub(crate) fn amplitude(
+    system: &PeriodicSystem,
+    motion: &PeriodicMotion,
+    row: &ResponseRow,
+    harmonic: usize,
+) -> Complex64 {
+    let own = system.load().terms().iter().zip(&row.loads).filter(|(term, _)| term.harmonic == harmonic);
+    let moved = own.map(|(term, a)| a * motion.at.level * motion.at.omega.powi(term.omega_power));
+    motion.displacement(row)[harmonic] + moved.sum::<Complex64>()
 }
 
 /// Share of the parameter in the tangent above which it is held while a point is refined.

@@ -14,6 +14,7 @@
 //! | force appropriation: what drives the damped structure into a mode | | | [`appropriation`] |
 //! | motions of twice the period of the load, from period doublings | Ω | | [`branching_responses`] |
 //! | detached curve through a phase resonance | Ω | | [`detached_response`] |
+//! | fold, first touch, or mode at an energy over a parameter of the structure | q | Ω, or ω | [`OverParameter`] |
 //!
 //! [`ResponseModel`] puts damping and loads on a structure reduced by `nlmodes-reduction`. Each analysis gives a
 //! [`ResponseCurve`]: its motions with powers, contacts, stability, what was passed, and why it ended. Curves go
@@ -56,6 +57,7 @@ mod history;
 mod linear;
 mod losses;
 mod model;
+mod over_parameter;
 mod peaks;
 mod recovery;
 mod sensitivity;
@@ -76,6 +78,7 @@ pub use exact::exact_structure;
 pub use finer::{FinerPoint, FinerSettings};
 pub use history::{ContactPattern, ContactState};
 pub use model::{ResponseModel, Weights};
+pub use over_parameter::{AtValue, Family, OverParameter, ParameterCurve, ParameterPoint};
 pub use recovery::ForcePower;
 pub use sensitivity::{Gradients, ParameterState, mode_gradients};
 pub use settings::ResponseSettings;

@@ -46,7 +46,7 @@ impl Curve<'_> {
         });
         let at = |t: f64| between(&beside, t);
         let value = |curve: &mut Self, t: f64| -> Result<f64, ResponseError> {
-            let found = curve.near(&at(t))?;
+            let found = curve.near_across(&at(t))?;
             Ok(if found.residual > CONVERGED { f64::NEG_INFINITY } else { of(&found) })
         };
         let (mut low, mut high) = (0.0, 2.0);
@@ -68,7 +68,7 @@ impl Curve<'_> {
             }
         }
         let t = 0.5 * (low + high);
-        let found = self.point(&at(t))?;
+        let found = self.point_across(&at(t))?;
         if found.residual <= CONVERGED && of(&found) >= of(&points[k]) {
             points.insert(if t < 1.0 { k } else { k + 1 }, found);
         }

@@ -3,10 +3,12 @@
 use std::f64::consts::TAU;
 
 use nlmodes::branches::{ComputedBranch, Watch};
-use nlmodes::hbm::MotionChange;
+use nlmodes::hbm::{MotionChange, StructureChange};
 use nlmodes::linalg::triplets;
 use nlmodes::modal::Gradient;
-use nlmodes::response::{Damping, Gradients, ParameterState, ResponseModel, ResponseSettings, Weights, mode_gradients};
+use nlmodes::response::{
+    AtValue, Damping, Gradients, ParameterState, ResponseModel, ResponseSettings, Weights, mode_gradients,
+};
 use nlmodes_reduction::OpenModes;
 use nlmodes_scene::assemble::{Assembly, OpenStructure, Structures};
 use nlmodes_scene::scene::{Reduction, Scene, SceneState, Sensitivity};
@@ -52,28 +54,13 @@ pub fn of_branches(
 ) -> Result<usize, Failure> {
     let (Some(open), false) = (open, scene.sensitivities.is_empty()) else { return Ok(0) };
     let own = branch_settings(scene);
-    let settings = ResponseSettings {
-        harmonics: own.harmonics,
-        switching: own.switching,
-        contact_solver: own.contact_solver,
-        mode: own.mode,
-        watch,
-        ..ResponseSettings::new([1.0, 2.0])
-    };
+    let settings = settings(scene, own.harmonics, watch);
     let base = model(&open.modes)?;
     let (mut changes, mut moved) = (Vec::new(), Vec::new());
     for sensitivity in &scene.sensitivities {
-        let state = |SceneState { scene, weight }: &SceneState| -> Result<(ParameterState, f64), Failure> {
-            let other = Assembly::sharing(&with_modes(scene, open.modes.n_modes()), structures)?;
-            let other = other.open.ok_or("gradients are of free-interface modes")?;
-            let toward = other.state.as_ref().map_or(0.0, |state| state.toward(0));
-            let (model, watched) = (model(&other.modes)?, Some(toward_first(&other.modes)));
-            Ok((ParameterState { model, level: 0.0, watched, weight: *weight }, weight * toward))
-        };
-        let states = sensitivity.states.iter().map(state).collect::<Result<Vec<_>, _>>()?;
-        moved.push(states.iter().map(|(_, moved)| moved).sum::<f64>());
-        let states: Vec<ParameterState> = states.into_iter().map(|(state, _)| state).collect();
-        changes.push(base.change(&states, &settings)?);
+        let (change, toward) = change(open, (&base, sensitivity), structures, &settings)?;
+        changes.push(change);
+        moved.push(toward);
     }
     let watched = base.watched(&toward_first(&open.modes), &settings)?;
     let settings = settings.with_gradients(Gradients { watched, changes });
@@ -97,6 +84,58 @@ pub fn of_branches(
         }
     }
     Ok(without)
+}
+
+/// How motions of a mode are solved again.
+pub fn settings(scene: &Scene, harmonics: usize, watch: Watch) -> ResponseSettings {
+    let own = branch_settings(scene);
+    ResponseSettings {
+        harmonics,
+        switching: own.switching,
+        contact_solver: own.contact_solver,
+        mode: own.mode,
+        max_points: own.max_points,
+        watch,
+        ..ResponseSettings::new([1.0, 2.0])
+    }
+}
+
+/// What a parameter does to the structure, and of what static loads move the first contact toward its stop.
+fn change(
+    open: &OpenStructure,
+    (base, sensitivity): (&ResponseModel, &Sensitivity),
+    structures: &Structures,
+    settings: &ResponseSettings,
+) -> Result<(StructureChange, f64), Failure> {
+    let state = |SceneState { scene: other, weight }: &SceneState| -> Result<(ParameterState, f64), Failure> {
+        let other = Assembly::sharing(&with_modes(other, open.modes.n_modes()), structures)?;
+        let other = other.open.ok_or("gradients are of free-interface modes")?;
+        let toward = other.state.as_ref().map_or(0.0, |state| state.toward(0));
+        let (model, watched) = (model(&other.modes)?, Some(toward_first(&other.modes)));
+        Ok((ParameterState { model, level: 0.0, watched, weight: *weight }, weight * toward))
+    };
+    let states = sensitivity.states.iter().map(state).collect::<Result<Vec<_>, _>>()?;
+    let moved = states.iter().map(|(_, moved)| moved).sum();
+    let states: Vec<ParameterState> = states.into_iter().map(|(state, _)| state).collect();
+    Ok((base.change(&states, settings)?, moved))
+}
+
+/// The structure of a scene without load, with what the parameter with this number does to it.
+///
+/// # Errors
+/// If the structure, or that at another value of the parameter, cannot be made.
+pub fn at_value(
+    scene: &Scene,
+    number: usize,
+    structures: &Structures,
+    settings: &ResponseSettings,
+) -> Result<AtValue, Failure> {
+    let open = Assembly::sharing(scene, structures)?.open.ok_or("gradients are of free-interface modes")?;
+    let sensitivity = scene.sensitivities.get(number).ok_or("there is no such parameter")?;
+    let base = model(&open.modes)?;
+    let (change, _) = change(&open, (&base, sensitivity), structures, settings)?;
+    let watched = base.watched(&toward_first(&open.modes), settings)?;
+    Ok(AtValue { model: base, level: 0.0, change, watched })
 }
 
 fn model(modes: &OpenModes) -> Result<ResponseModel, Failure> {

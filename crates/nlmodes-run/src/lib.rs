@@ -72,6 +72,7 @@ mod doubts;
 mod error;
 pub mod explore;
 mod files;
+pub mod follow;
 mod forces;
 mod gradients;
 mod journal;

@@ -90,7 +90,8 @@ pub use nearest::nearest;
 pub use nlmodes_linalg::rounded;
 pub use other::{load_other, parse_other};
 pub use read::{
-    load_any, load_records, load_structure, load_to_run, parse, parse_any, parse_each_method, parse_records, parse_test,
+    load_any, load_records, load_structure, load_to_run, overrides_at, parse, parse_any, parse_each_method,
+    parse_records, parse_test,
 };
 pub use rule::{counted, number, percent, short, significant};
 pub use scene::{RecordScene, Scene, TestScene};

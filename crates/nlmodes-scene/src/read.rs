@@ -2,6 +2,8 @@
 
 mod sensitivity;
 
+pub use sensitivity::overrides_at;
+
 use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;

@@ -11,6 +11,8 @@ use crate::{Diagnostic, Sources};
 
 /// Prefix of the argument in messages.
 const LEAD: &str = "--set ";
+/// The table of which there may be one, `[response]`, or a list, `[[response]]`.
+const LISTED: &str = "response";
 
 /// A part of a dotted path, and its position.
 type Segment<'a> = (&'a str, Range<usize>);
@@ -93,10 +95,27 @@ fn insert<'a>(table: &mut DeTable<'a>, path: &[Segment<'a>], depth: usize, value
 }
 
 fn insert_into<'a>(node: &mut Item<'a>, path: &[Segment<'a>], depth: usize, value: Item<'a>) -> Result<(), Diagnostic> {
+    let is_only = |own: &[Segment<'a>]| own.first().is_some_and(|(name, _)| *name == LISTED) && depth == 1;
     match node.get_mut() {
+        // The only one of several goes with its number and without.
+        DeValue::Table(table) if is_only(path) && path.len() > 2 && path[1].0 == "0" => insert(table, path, 2, value),
+        DeValue::Array(items) if is_only(path) && items.len() == 1 && path[1].0.parse::<usize>().is_err() => {
+            match items.get_mut(0) {
+                Some(item) => insert_into_only(item, path, value),
+                None => Ok(()),
+            }
+        }
         DeValue::Table(table) => insert(table, path, depth, value),
         DeValue::Array(items) => insert_item(items, path, depth, value),
         _ => Err(below_a_single_value(path, depth)),
+    }
+}
+
+/// Into the only table of a list, which the path leaves out.
+fn insert_into_only<'a>(item: &mut Item<'a>, path: &[Segment<'a>], value: Item<'a>) -> Result<(), Diagnostic> {
+    match item.get_mut() {
+        DeValue::Table(table) => insert(table, path, 1, value),
+        _ => Err(below_a_single_value(path, 1)),
     }
 }
 

@@ -6,6 +6,7 @@ mod contact_problems;
 mod contact_solvers;
 mod effort;
 mod elastic_stops;
+mod follow;
 mod gradients;
 mod hertz;
 mod hostile_files;

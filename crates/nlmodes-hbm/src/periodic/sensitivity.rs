@@ -144,6 +144,11 @@ impl PeriodicSystem {
     fn known(&mut self, x: &[f64], p: f64, watched: Option<&Watched>) -> Result<Known, HbmError> {
         let mut lin = Linearization::new(self.dim());
         self.linearize(x, p, &mut lin)?;
+        Ok(self.known_of(lin.jacobian, x, p, watched))
+    }
+
+    /// The same of a motion that was evaluated last, with this Jacobian.
+    fn known_of(&mut self, jacobian: Mat<f64>, x: &[f64], p: f64, watched: Option<&Watched>) -> Known {
         let (at, harmonics) = (self.operating_point(x, p), self.blocks.len());
         let motion = (0..harmonics).map(|n| (self.modal_coordinates(n, at), self.forces_of_harmonic(n))).collect();
         let moved = self.load_gaps(at);
@@ -158,7 +163,7 @@ impl PeriodicSystem {
             }
             Some((q, row))
         });
-        Ok(Known { at, motion, jacobian: lin.jacobian, amplitude })
+        Known { at, motion, jacobian, amplitude }
     }
 
     /// `∂R/∂p`: the derivative by the level of the same equations under a load that stands for the parameter.
@@ -346,6 +351,83 @@ impl PeriodicSystem {
         let (phase, _) = crate::contact_statistics::largest(&Trigonometric { z: stop }, 0.0, TAU);
         d_stop.evaluate(phase)[0]
     }
+}
+
+impl PeriodicSystem {
+    /// Residual and Jacobian at `(x, p)`, as [`linearize`](ParametricSystem::linearize), and `∂R/∂q` (n) by a parameter
+    /// q of the structure or its load.
+    ///
+    /// # Errors
+    /// [`HbmError`] where the contact problem has no solution.
+    pub fn linearize_over(
+        &mut self,
+        x: &[f64],
+        p: f64,
+        change: &StructureChange,
+        out: &mut Linearization,
+    ) -> Result<Vec<f64>, HbmError> {
+        self.response.take_any_phase();
+        self.linearize(x, p, out)?;
+        let known = self.known_of(out.jacobian.clone(), x, p, None);
+        Ok(self.parameter(x, p, (&known, None), change)?.column)
+    }
+
+    /// The smallest gap of a contact that is open over the whole period, with its derivatives; none where it closes.
+    ///
+    /// # Errors
+    /// [`HbmError`] where the contact problem has no solution.
+    pub fn opening(
+        &mut self,
+        contact: usize,
+        (x, p): (&[f64], f64),
+        change: &StructureChange,
+    ) -> Result<Option<Opening>, HbmError> {
+        self.response.take_any_phase();
+        let known = self.known(x, p, None)?;
+        let parameter = self.parameter(x, p, (&known, None), change)?;
+        let Some(closest) = self.operator.closest(contact) else { return Ok(None) };
+        let guard = |set: usize, dy: &dyn Fn(usize) -> f64| -> f64 {
+            self.operator.sets.get(set).guard_row(contact).map(|(j, g)| g * dy(j)).sum()
+        };
+        let (series, unit, d) = (self.series(), self.unit(), self.response.n_coordinates());
+        let (width, c) = (series.width(), self.structure.n_contacts());
+        let one = |m: usize| {
+            let mut real = vec![0.0; width];
+            real[m] = 1.0;
+            self.at_instant(&real, closest.phase)[0]
+        };
+        let basis: Vec<f64> = (0..width).map(one).collect();
+        let mut by = vec![0.0; self.dim() + 1];
+        for (k, by) in by[..d * width].iter_mut().enumerate() {
+            let moved = |contact: usize| self.gap_map[contact * d + k / width] * unit * basis[k % width];
+            *by = closest.change(|set| guard(set, &moved));
+        }
+        let moved = self.load_gaps(known.at);
+        for (by_scalar, slope) in moved[..3].iter().zip(self.scalar_columns(p)) {
+            let Some((column, slope)) = slope.filter(|_| !by_scalar.is_empty()) else { continue };
+            let there = self.at_instant(by_scalar, closest.phase);
+            by[column] += slope * closest.change(|set| guard(set, &|j| there[j]));
+        }
+        let own = self.at_instant(&parameter.gaps, closest.phase);
+        let a = self.structure.compliance().a();
+        let opened = |set: usize| {
+            let (d_forces, all) = self.forces_at(&parameter.gaps, (set, closest.phase), change);
+            let pressed = |j: usize| a[(contact, j)] * d_forces[j] + change.compliance()[(contact, j)] * all[j];
+            own.get(contact).copied().unwrap_or_default() + (0..c).map(pressed).sum::<f64>()
+        };
+        Ok(Some(Opening { value: -closest.value, by, by_parameter: closest.change(opened) }))
+    }
+}
+
+/// The smallest gap of a contact over a period.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Opening {
+    /// Its value, m; negative where it would close.
+    pub value: f64,
+    /// Its derivatives by the unknowns and the parameter of the curve, n + 1.
+    pub by: Vec<f64>,
+    /// That by a parameter of the structure or its load.
+    pub by_parameter: f64,
 }
 
 impl MotionChange {

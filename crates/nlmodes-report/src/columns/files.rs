@@ -1,11 +1,11 @@
 use super::{
-    AppropriationRow, BranchRow, Column, ContactRow, DecayRow, DifferenceRow, FileMeaning, GRADIENT_COLUMNS,
+    AppropriationRow, BranchRow, Column, ContactRow, DecayRow, DifferenceRow, FileMeaning, FollowRow, GRADIENT_COLUMNS,
     ModalPointRow, ParticipationRow, ResponseDifferenceRow, ResponseRow, Row, StopDifferenceRow, TouchRow,
 };
 use crate::table::{HARMONIC_ARRAYS, HISTORY_ARRAYS, MATLAB_VARIABLES, START_ARRAYS, TRANSIENT_ARRAYS};
 
 /// The results files of a structure, in order of usefulness.
-pub const FILES: [FileMeaning; 28] = [
+pub const FILES: [FileMeaning; 29] = [
     FileMeaning {
         name: "branch.csv",
         meaning: "The branch, one row per point, written as points are found; other branches of a run have \
@@ -130,6 +130,12 @@ pub const FILES: [FileMeaning; 28] = [
             `two-lines` with both `frequencies_hz`, `irregular` with the largest values and their spread, `other` with where it \
             went), the disturbance, the time that was integrated, and the multipliers",
         columns: &[],
+    },
+    FileMeaning {
+        name: "follow.csv",
+        meaning: "Of `nlmodes-cli follow`: folds, first touches or a mode at an energy over a parameter, a row a point; \
+            `follow.json` has the key, and why each curve ends, `follow_….svg` are its figures",
+        columns: &[FollowRow::COLUMNS],
     },
     FileMeaning {
         name: "summary.json",

@@ -20,6 +20,7 @@ pub const SCRIPT: &str = concat!(
     include_str!("page/branches.js"),
     include_str!("page/player.js"),
     include_str!("page/motion.js"),
+    include_str!("page/effects.js"),
     include_str!("page/explore.js"),
 );
 
@@ -47,7 +48,7 @@ pub fn page(title: &str, sliders: &Value) -> String {
 <div><div class="box"><h2 class="plain">Frequency over averaged kinetic energy</h2><div id="levels"></div>
 <div id="curve" class="plot"></div></div>
 <div class="box"><div id="controls" class="controls"></div><div id="motion"></div></div></div>
-<div id="details" class="box"></div>
+<div><div id="effects" class="box" hidden></div><div id="details" class="box"></div></div>
 </main>
 <script type="application/json" id="settings">{sliders}</script>
 <script src="explore.js"></script>

@@ -10,7 +10,7 @@ use crate::{ResponseCurve, ResponseError, ResponseModel, ResponsePoint, Response
 
 /// Length of the window in units of the parameter: with steps of at most 0.1, some sixty points where nothing else
 /// happens.
-const WINDOW: f64 = 6.0;
+pub(crate) const WINDOW: f64 = 6.0;
 
 /// The response at `level` over the window of frequencies, from its lower end or its upper one: where the curve from
 /// one end is lost on the way, that from the other has points that it has not.

@@ -108,6 +108,7 @@ impl Explorer {
             "explore.js" if asked.is_get => Answer::ok("text/javascript; charset=utf-8", explore::SCRIPT),
             "explore.css" if asked.is_get => Answer::ok("text/css; charset=utf-8", explore::STYLE),
             "compute" if asked.is_post => self.with_values(asked, |values| self.compute(values)),
+            "effects" if asked.is_post => self.with_values(asked, |values| self.effects(values)),
             "save" if asked.is_post => self.with_values(asked, |values| self.save(values)),
             _ => Answer::wrong(404, "there is nothing of that name"),
         }
@@ -143,10 +144,31 @@ impl Explorer {
 
     /// The scene with these values, checked.
     fn scene(&self, values: &BTreeMap<String, f64>) -> Result<SceneFile, String> {
+        self.scene_of(&self.text, values)
+    }
+
+    /// The same, differentiated by the values of all sliders by which it can be.
+    fn differentiated(&self, values: &BTreeMap<String, f64>) -> Result<SceneFile, String> {
+        let mut text = self.text.clone();
+        let mut found = self.scene_of(&text, values)?;
+        for slider in &self.sliders {
+            if found.scene.sensitivities.iter().any(|own| own.key == slider.key) {
+                continue;
+            }
+            let longer = format!("{text}\n[[sensitivity]]\nkey = {:?}\n", slider.key);
+            // A place at an end, or a number of harmonics, has no gradient.
+            if let Ok(file) = self.scene_of(&longer, values) {
+                (text, found) = (longer, file);
+            }
+        }
+        Ok(found)
+    }
+
+    fn scene_of(&self, text: &str, values: &BTreeMap<String, f64>) -> Result<SceneFile, String> {
         let own = values.iter().map(|(key, value)| format!("{key}={}", save::number(*value)));
         let overrides: Vec<String> = self.overrides.iter().cloned().chain(own).collect();
         let name = self.path.display().to_string();
-        let files = nlmodes_scene::parse_each_method(&name, &self.text, &overrides);
+        let files = nlmodes_scene::parse_each_method(&name, text, &overrides);
         let mut files = files.map_err(|refused| refused.text(false))?;
         memory::admit(&mut files, None).map_err(|refused| refused.text(false))?;
         files.into_iter().next().ok_or_else(|| "there is no scene".to_owned())
@@ -159,6 +181,19 @@ impl Explorer {
         };
         match self.computing.newest(|watch| super::picture(&file, watch, &self.structures)) {
             Some(Ok(picture)) => Answer::ok("application/json", picture),
+            None | Some(Err(RunError::Ended)) => Answer::wrong(409, "superseded by a later change"),
+            Some(Err(error)) => Answer::wrong(422, &error.to_string()),
+        }
+    }
+
+    fn effects(&self, values: &BTreeMap<String, f64>) -> Answer {
+        let file = match self.differentiated(values) {
+            Ok(file) if file.scene.responses.is_empty() => return Answer::ok("application/json", "[]"),
+            Ok(file) => file,
+            Err(why) => return Answer::wrong(422, &why),
+        };
+        match self.computing.newest(|watch| super::effects(&file, watch, &self.structures)) {
+            Some(Ok(effects)) => Answer::ok("application/json", effects),
             None | Some(Err(RunError::Ended)) => Answer::wrong(409, "superseded by a later change"),
             Some(Err(error)) => Answer::wrong(422, &error.to_string()),
         }
@@ -245,6 +280,36 @@ mod tests {
         assert!((energy(2e-3) / energy(1e-3) - 4.0).abs() < 1e-8);
         let answer = explorer.answer(&asked(&explorer, "compute", Some("{\"method.harmonics\": 0}")));
         assert!(answer.status == 422 && answer.text.contains("method.harmonics"), "{}", answer.text);
+    }
+
+    #[test]
+    fn a_response_has_peak_and_jumps_with_what_each_slider_does_to_them() {
+        let scene = SCENE.replace(
+            "[method]",
+            "stiffness_n_m = 3e7\n[damping]\nratio = 0.02\n[[force]]\nat_m = 1.0\n\
+            direction = \"axial\"\n[[response]]\nkind = \"frequency\"\nfrequency_hz = [1000.0, 2200.0]\n\
+            levels_n = [2000.0]\n[method]",
+        );
+        let files = nlmodes_scene::parse_each_method("rod.toml", &scene, &[]).unwrap();
+        let explorer = Explorer::new(Path::new("rod.toml"), scene, Vec::new(), &files[0], 4711).unwrap();
+        let of = |gap: f64| -> Vec<Value> {
+            let body = format!("{{\"contact.0.gap_m\": {gap:e}}}");
+            let answer = explorer.answer(&asked(&explorer, "effects", Some(&body)));
+            assert_eq!(answer.status, 200, "{}", answer.text);
+            let data: Value = serde_json::from_str(&answer.text).unwrap();
+            data[0]["quantities"].as_array().unwrap().clone()
+        };
+        let (own, more) = (of(1e-3), of(1.001e-3));
+        let names: Vec<&str> = own.iter().filter_map(|one| one["name"].as_str()).collect();
+        assert_eq!(names, ["peak", "largest force", "jump up", "jump down"]);
+        for (own, more) in own.iter().zip(&more) {
+            let change = 1e3 * (more["value"].as_f64().unwrap() / own["value"].as_f64().unwrap() - 1.0);
+            let effect = own["effects"]["contact.0.gap_m"].as_f64().unwrap();
+            assert!((effect - change).abs() < 2e-3 * change.abs().max(0.1), "{}: {effect} {change}", own["name"]);
+            for key in ["damping.ratio", "response.0.levels_n.0", "structure.material.youngs_modulus_pa"] {
+                assert!(own["effects"][key].is_number(), "{key} {own}");
+            }
+        }
     }
 
     #[test]

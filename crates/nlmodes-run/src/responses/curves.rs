@@ -361,6 +361,24 @@ fn over_frequency(
     Ok(curves.into_iter().enumerate().map(followed).collect())
 }
 
+/// The curves of a response (number in the scene) over the frequency at one of its levels, without stability, and the
+/// settings with which they are computed.
+///
+/// # Errors
+/// [`ResponseError`] where there is none.
+pub fn curves_at(
+    model: &Model,
+    scene: &Scene,
+    (response, level): (usize, f64),
+    watch: Watch,
+) -> Result<(ResponseSettings, Vec<ResponseCurve>), ResponseError> {
+    let own = jobs(scene).into_iter().find(|job| job.response == response && job.level == Some(level));
+    let job = own.ok_or(ResponseError::Setting { what: "the level", value: level, expected: "one of the scene" })?;
+    let settings = ResponseSettings { watch, stability: false, finer: None, ..settings(model, scene, &job) };
+    let found = over_frequency(&model.with_drive(response)?, scene, &job, &settings)?;
+    Ok((settings, found.into_iter().map(|followed| followed.curve).collect()))
+}
+
 /// What is to be said of a curve beside its end: branch points whose other arms are not there.
 fn not_followed(curve: &ResponseCurve, job: &Job<'_>, scene: &Scene) -> String {
     let n = curve.points.iter().filter(|point| point.events.contains(&Event::BranchPoint)).count();

@@ -38,6 +38,20 @@ pub fn gradients(
     Ok(Gradients { watched, changes })
 }
 
+/// The same at a level of a response over the frequency.
+///
+/// # Errors
+/// As [`gradients`].
+pub fn gradients_at(
+    model: &Model,
+    scene: &Scene,
+    (response, level): (usize, f64),
+    settings: &ResponseSettings,
+    system: &ResponseModel,
+) -> Result<Gradients, ResponseError> {
+    gradients(model, scene, (response, Some(level)), settings, system)
+}
+
 /// Displacement of the first contact toward its stop or, without one, of the first spring.
 fn first(model: &Model) -> Option<Weights> {
     model.contacts.iter().chain(&model.springs).next().cloned()

@@ -28,6 +28,13 @@ pub fn add_states(text: &Text<'_>, given: &[String], method: usize, file: &mut S
     Ok(())
 }
 
+/// The overrides with which the parameter with this number has another value, as `--set` takes them: with the length of
+/// the structure all positions along it move.
+pub fn overrides_at(file: &SceneFile, number: usize, value: f64) -> Vec<String> {
+    let own = file.scene.sensitivities.get(number);
+    own.map_or_else(Vec::new, |own| overrides(own, value / own.value, &file.document))
+}
+
 /// Why a scene is none with a parameter a little beside its value.
 fn refused(file: &SceneFile, number: usize, error: &SceneError) -> SceneError {
     let key = &file.scene.sensitivities[number].key;

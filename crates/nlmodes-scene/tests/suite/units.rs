@@ -127,3 +127,27 @@ fn the_width_of_figures_and_virtual_tests_have_other_units_too() -> Outcome {
     assert_eq!(test.scene.sample_rate, 10e3);
     Ok(())
 }
+
+#[test]
+fn the_only_response_goes_by_its_number_and_without_whether_it_is_a_table_or_a_list() {
+    let scene = |heading: &str| {
+        format!(
+            "[structure]\nkind = \"rod\"\nlength_m = 1.0\nelements = 4\nstart = \"clamped\"\n\
+             material = {{ youngs_modulus_pa = 210e9, density_kg_m3 = 7800.0 }}\nsection = {{ area_m2 = 1e-4 }}\n\
+             [[contact]]\nat_m = 1.0\ndirection = \"axial\"\nside = \"positive\"\ngap_m = 1e-3\n\
+             [damping]\nratio = 0.02\n[[force]]\nat_m = 1.0\ndirection = \"axial\"\n\
+             {heading}\nkind = \"frequency\"\nfrequency_hz = [1000.0, 2200.0]\nlevels_n = [2000.0, 3000.0]\n\
+             [method]\nharmonics = 3\n"
+        )
+    };
+    for heading in ["[response]", "[[response]]"] {
+        for key in ["response.levels_n.1", "response.0.levels_n.1"] {
+            let read = nlmodes_scene::parse("a.toml", &scene(heading), &[format!("{key}=2500.0")]);
+            let read = read.map_err(|refused| refused.text(false)).unwrap();
+            assert_eq!(read.scene.responses[0].levels, [2000.0, 2500.0], "{heading} {key}");
+        }
+    }
+    let two = scene("[[response]]") + "[[response]]\nkind = \"damped-mode\"\n";
+    let refused = nlmodes_scene::parse("a.toml", &two, &["response.levels_n.1=2500.0".to_owned()]).unwrap_err();
+    assert!(refused.text(false).contains("`response` has no item `levels_n`"), "{}", refused.text(false));
+}

@@ -103,9 +103,25 @@ impl<'c> Columns<'c> {
             let with = WITH_A_POINT.join(" and ");
             return Err(format!("the extreme value of {column} lies between points; {with} have one of their own"));
         }
+        if held == Held::Frequency && self.is_at_a_fold(point) {
+            return Err(
+                "the extreme value lies at a fold, where nothing has a derivative at a constant frequency".to_owned()
+            );
+        }
         self.derivative(column)?.get(point).copied().ok_or_else(|| "there is no such point".to_owned())
     }
+
+    /// Whether a point is a fold, or one that was located beside it.
+    fn is_at_a_fold(&self, point: usize) -> bool {
+        let hz = self.curve.column("frequency_hz").unwrap_or_default();
+        let folds = self.curve.events().iter().zip(hz).filter(|(events, _)| events.contains(&Event::Fold));
+        let Some(own) = hz.get(point) else { return false };
+        folds.map(|(_, fold)| (own / fold - 1.0).abs()).any(|off| off < AT_A_FOLD)
+    }
 }
+
+/// Relative distance from a fold within which derivatives at a constant frequency say nothing.
+const AT_A_FOLD: f64 = 1e-9;
 
 /// Derivatives of a quantity by the parameters with these keys, per unit of each.
 ///

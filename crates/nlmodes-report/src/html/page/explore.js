@@ -59,6 +59,7 @@ function addSliders(form) {
     const input = html(row, "input", {
       type: "range", min: 0, max: 1000, step: "any", value: positionOf(slider, slider.value), "data-key": slider.key, "aria-label": slider.label,
     });
+    if (IS_FORCED) html(row, "div", { class: "arrow", "data-key": slider.key });
     const show = value => { typed.value = Number((value * unit.perSi).toPrecision(5)); };
     show(slider.value);
     const take = value => { live.values[slider.key] = Number(value.toPrecision(6)); compute(); };
@@ -103,10 +104,18 @@ async function compute() {
     document.body.dataset.shown = own;
     const points = found.branches.reduce((sum, branch) => sum + branch.frequency.length, 0);
     say(`${points} points, ${milliseconds.toFixed(0)} ms`);
+    if (IS_FORCED) await effects(own);
   } catch (error) {
     if (error.name === "AbortError" || own !== live.latest) return;
     say(error instanceof TypeError ? "The program has ended: start it again." : error.message, true);
   }
+}
+
+/// What each slider does to peak and jumps, once nothing moves.
+async function effects(own) {
+  live.effects.fade();
+  const found = await ask("effects", live.running.signal);
+  if (own === live.latest) live.effects.show(found);
 }
 
 async function save() {
@@ -166,6 +175,7 @@ function choose(key, index) {
   }
 }
 
+live.effects = new Effects(byId("effects"), byId("sliders"));
 live.motion = new Motion(byId("motion"), byId("controls"));
 byId("curve").closest(".box").querySelector("h2").textContent = TITLE;
 addSliders(byId("sliders"));

@@ -1,0 +1,107 @@
+//! Folds and first touches of responses over a parameter.
+
+use std::f64::consts::TAU;
+
+use nlmodes::branches::Watch;
+use nlmodes::modal::Event;
+use nlmodes::response::{AtValue, OverParameter, ResponsePoint};
+use nlmodes_scene::assemble::Structures;
+use nlmodes_scene::number;
+use nlmodes_scene::scene::{ResponseKind, Scene};
+
+use super::family::Texts;
+use super::{FollowError, FollowSettings, Followed, Wanted};
+use crate::chain;
+use crate::gradients::with_modes;
+use crate::responses::{Model, curves_at, gradients_at};
+
+/// Follows each fold, or first touch, of the response at the level.
+pub fn follow(
+    texts: &Texts,
+    settings: &FollowSettings,
+    (structures, watch): (&Structures, &Watch),
+) -> Result<Vec<Followed>, FollowError> {
+    let scene = &texts.base.scene;
+    let (Wanted::Folds { level } | Wanted::Touches { level }) = settings.wanted else { return Ok(Vec::new()) };
+    let place = place(scene, level)?;
+    let model = Model::sharing(&texts.base, structures)?;
+    let modes = model.response().open_modes().n_modes();
+    let own_level = scene.responses[place.0].levels[place.1];
+    let (response, curves) = curves_at(&model, scene, (place.0, own_level), watch.clone())?;
+    let mut family = |value: f64| -> Result<AtValue, String> {
+        let mut there = texts.at(value)?;
+        there.scene = with_modes(&there.scene, modes);
+        let model = Model::sharing(&there, structures).map_err(|error| chain(&error))?;
+        let level = there.scene.responses.get(place.0).and_then(|own| own.levels.get(place.1)).copied();
+        let level = level.ok_or("there is no such level")?;
+        let system = model.with_drive(place.0).map_err(|error| chain(&error))?;
+        let found = gradients_at(&model, &there.scene, (place.0, level), &response, &system);
+        let mut found = found.map_err(|error| chain(&error))?;
+        let change = found.changes.swap_remove(texts.number);
+        Ok(AtValue { model: system, level, change, watched: found.watched })
+    };
+    let points = |event: Event| {
+        let of = move |point: &&ResponsePoint| point.events.contains(&event);
+        curves.iter().flat_map(move |curve| curve.points.iter().filter(of)).collect::<Vec<_>>()
+    };
+    let subharmonic = response.subharmonic;
+    let mut all = Vec::new();
+    let mut over =
+        OverParameter { family: &mut family, value: texts.value(), window: settings.window, settings: &response };
+    match settings.wanted {
+        Wanted::Folds { .. } => {
+            for point in points(Event::Fold) {
+                if all.iter().any(|known: &Followed| known.passes(texts.value(), point.omega / TAU)) {
+                    continue;
+                }
+                let curve = over.fold(point)?;
+                all.push(Followed::new(format!("fold at {} Hz", hertz(point)), &curve, subharmonic));
+            }
+        }
+        _ => {
+            for point in points(Event::ContactChange) {
+                if all.iter().any(|known| known.passes(texts.value(), point.omega / TAU)) {
+                    continue;
+                }
+                let Some(curve) = over.touch(point)? else { continue };
+                all.push(Followed::new(format!("first touch at {} Hz", hertz(point)), &curve, subharmonic));
+            }
+        }
+    }
+    if all.is_empty() {
+        let what = if matches!(settings.wanted, Wanted::Folds { .. }) { "fold" } else { "first touch" };
+        let why = format!("the response at level {} has no {what} in its window", number(own_level));
+        return Err(FollowError::NoCurve(why));
+    }
+    Ok(all)
+}
+
+fn hertz(point: &ResponsePoint) -> String {
+    number(nlmodes_scene::rounded(point.omega / TAU, 8))
+}
+
+/// Number of the response over the frequency and of the level in its list.
+fn place(scene: &Scene, level: Option<f64>) -> Result<(usize, usize), FollowError> {
+    let over = scene.responses.iter().enumerate().filter(|(_, own)| own.kind == ResponseKind::Frequency);
+    let all: Vec<(usize, usize, f64)> =
+        over.flat_map(|(k, own)| own.levels.iter().enumerate().map(move |(l, level)| (k, l, *level))).collect();
+    let levels = || all.iter().map(|own| number(own.2)).collect::<Vec<_>>().join(", ");
+    let found = match (level, all.as_slice()) {
+        (_, []) => {
+            let why = "the scene has no response over the frequency, [response] kind = \"frequency\"";
+            return Err(FollowError::NoCurve(why.to_owned()));
+        }
+        (None, [only]) => Some(only),
+        (None, _) => {
+            return Err(FollowError::NoCurve(format!(
+                "the scene has several levels: expected --level, one of {}",
+                levels()
+            )));
+        }
+        (Some(level), all) => all.iter().find(|own| (own.2 - level).abs() <= 1e-9 * level.abs()),
+    };
+    let level = level.unwrap_or_default();
+    found.map(|own| (own.0, own.1)).ok_or_else(|| {
+        FollowError::NoCurve(format!("the scene has no level {}; its levels: {}", number(level), levels()))
+    })
+}
