@@ -147,8 +147,8 @@ Examples:
   nlmodes-cli follow response.toml --of touch --over contact.0.gap_m --from 0.8e-3 --to 1.2e-3 --level 15
   nlmodes-cli follow configs/rod.toml --of mode --energy-j 1e9 --over contact.0.gap_m --from 0.3 --to 0.8
 
-The parameters are those of [[sensitivity]]. Each fold of the response is followed both ways from the value of the scene, \
-    also through values where it turns back.
+The parameters are those of [[sensitivity]]. Each fold of the response is followed both ways from the value of the \
+    scene, also through values where it turns back.
 
 Exit status 1 where a curve ends before the window does, 2 where the scene has no such motion.")]
     Follow(follow::Arguments),

@@ -1,8 +1,8 @@
 //! A fold, a first touch or a motion at a given energy, followed over a parameter of the structure or its load.
 //!
 //! ```text
-//! R(x, s; q) = 0 ,   g(x, s; q) = 0              unknowns x and the frequency s, parameter q; of a mode R(x; q) = 0 alone
-//! fold:         [R_x b; cᵀ 0] [v; g] = [0; 1] ,   [R_xᵀ c; bᵀ 0] [w; g] = [0; 1] ,   dg = −wᵀ (dR_x) v
+//! R(x, s; q) = 0 ,   g(x, s; q) = 0         unknowns x and the frequency s, parameter q; of a mode R(x; q) = 0 alone
+//! fold:         [R_x b; cᵀ 0] [v; g] = [0; 1] ,   [R_xᵀ c; bᵀ 0] [w; g] = [0; 1] ,   dg = −wᵀ dR_x v
 //! first touch:  g = smallest gap of a contact, which is set back and so closes nowhere
 //! ```
 //!
@@ -87,13 +87,14 @@ impl OverParameter<'_> {
     /// The folds of a response over the frequency at `at`, one of its folds: where it jumps.
     ///
     /// # Errors
-    /// [`ResponseError`] where it is not found again, or the structure changes with the parameter as it cannot be followed.
+    /// [`ResponseError`] where it is not found again, or the structure changes with the parameter as it cannot be
+    /// followed.
     pub fn fold(&mut self, at: &ResponsePoint) -> Result<ParameterCurve, ResponseError> {
         self.of_response(at, Condition::Fold(Border::default()))
     }
 
-    /// Where a contact that is open is first touched, beginning at a point of a response at which one is. None where it is
-    /// not one.
+    /// Where a contact that is open is first touched, beginning at a point of a response at which one is. None where it
+    /// is not one.
     ///
     /// # Errors
     /// As [`fold`](Self::fold).
@@ -103,7 +104,8 @@ impl OverParameter<'_> {
         self.of_response(at, Condition::Touch { contact }).map(Some)
     }
 
-    /// The mode at an averaged kinetic energy (J), beginning near `at`, whose coefficients begin with modal coordinates.
+    /// The mode at an averaged kinetic energy (J), beginning near `at`, whose coefficients begin with modal
+    /// coordinates.
     ///
     /// # Errors
     /// As [`fold`](Self::fold).

@@ -1,7 +1,7 @@
 //! A fold, a first touch, or a mode at an energy, followed over a parameter of a scene: the jump frequency over a gap.
 //!
-//! The scene is computed first, in memory: each fold of its response, each first touch, or the mode at the energy is then
-//! followed by two-parameter continuation, both ways from the value of the scene.
+//! The scene is computed first, in memory: each fold of its response, each first touch, or the mode at the energy is
+//! then followed by two-parameter continuation, both ways from the value of the scene.
 
 mod error;
 mod family;

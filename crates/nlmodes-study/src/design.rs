@@ -3,6 +3,8 @@
 mod points;
 mod random;
 mod sobol;
+mod tolerance;
 
 pub use points::{Points, n_listed};
 pub use sobol::MAX_DIMENSIONS;
+pub use tolerance::Tolerance;

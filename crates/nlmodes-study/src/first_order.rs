@@ -9,21 +9,20 @@
 //! One case with the means and gradients; corners, and what limits need, are verified by a case each. All of them are
 //! in the store like any other case.
 
-mod compute;
 mod corner;
 mod limit;
 mod spread;
-mod tolerance;
+mod stored;
 
-pub use compute::{Computing, Stored};
 pub use corner::Corner;
 pub use limit::Kept;
 pub use spread::{Compared, Effect};
-pub use tolerance::Tolerance;
+pub use stored::{Stored, read, resolved};
 
 use serde::Serialize;
 
 use crate::curve::{Curve, Picked, derivatives, pick};
+use crate::design::Tolerance;
 use crate::error::StudyError;
 use crate::statistics::Statistics;
 use crate::study::{Quantity, Study};

@@ -23,8 +23,7 @@ use std::time::Duration;
 use nlmodes::least_squares::{SearchError, SearchSettings, least_squares};
 use nlmodes_scene::assemble::Structures;
 
-use crate::first_order::Computing;
-use crate::run::{Settings, StudyObserver};
+use crate::run::{Computing, Settings, StudyObserver};
 use crate::study::Study;
 use model::Trials;
 

@@ -1,5 +1,6 @@
 //! Computation of missing cases, one branch per thread.
 
+mod further;
 mod outcome;
 mod settings;
 mod worker;
@@ -16,9 +17,10 @@ use nlmodes_scene::assemble::Structures;
 use crate::case::{Case, cases, resolve};
 use crate::design::Points;
 use crate::error::StudyError;
-use crate::first_order::{Computing, FirstOrder};
+use crate::first_order::FirstOrder;
 use crate::store::{Status, Store};
 use crate::study::Study;
+pub use further::Computing;
 pub use outcome::{StudyObserver, StudyOutcome, StudyProgress};
 pub use settings::{Settings, Shard};
 pub(crate) use worker::{Done, Worker};

@@ -1,7 +1,7 @@
 //! Nonlinear least squares of a few unknowns by the Gauss-Newton method.
 //!
 //! ```text
-//! min Σ r_i(x)² ,   JᵀJ s = −Jᵀr ,   x ← x + share · s          share from 1, or the largest step, by halves until Σ r² falls
+//! min Σ r_i(x)² ,   JᵀJ s = −Jᵀr ,   x ← x + share · s     share by halves from that of the largest step until Σ r² falls
 //! ```
 
 use nlmodes_linalg::{LinalgError, Mat, symmetric_eigen};
@@ -41,7 +41,8 @@ pub struct Minimum {
     pub iterations: usize,
     /// The last step in full, the largest change of an unknown.
     pub step: f64,
-    /// Whether the last step was below the smallest one; else none brought the residuals closer, or there were too many.
+    /// Whether the last step was below the smallest one; else none brought the residuals closer, or there were too
+    /// many.
     pub is_found: bool,
 }
 
@@ -154,6 +155,9 @@ fn gauss_newton<E: std::error::Error + 'static>(
     Ok(step)
 }
 
+/// Unknowns with their residuals.
+type Evaluated = (Vec<f64>, Vec<f64>);
+
 /// Least share of a step that is tried.
 const SHORTEST: f64 = 1e-6;
 
@@ -165,7 +169,7 @@ fn shortened<R: Residuals>(
     (size, before): (f64, f64),
     settings: &SearchSettings,
     model: &mut R,
-) -> Result<Option<(Vec<f64>, Vec<f64>)>, SearchError<R::Error>> {
+) -> Result<Option<Evaluated>, SearchError<R::Error>> {
     let mut share = (settings.largest_step / size).min(1.0);
     loop {
         let moved: Vec<f64> = x.iter().zip(step).map(|(x, s)| x + share * s).collect();

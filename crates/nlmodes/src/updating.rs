@@ -126,7 +126,7 @@ pub fn update_parameters<E: Error + 'static>(
     let worst = found.residual.iter().fold(0.0_f64, |m, r| m.max(r.abs()));
     let is_exact = parameters == count;
     // Rounding ends the search where the frequencies are met, or where no slope is left.
-    if !found.is_found && found.step > 1e-7 && (is_exact && worst > 1e-9 || !is_exact) {
+    if !found.is_found && found.step > 1e-7 && (!is_exact || worst > 1e-9) {
         return Err(UpdatingError::NotConverged { iterations: found.iterations, worst });
     }
     let values = found.x.iter().map(|x| x.exp()).collect();

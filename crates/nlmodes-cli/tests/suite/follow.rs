@@ -11,6 +11,10 @@ use tempfile::{TempDir, tempdir};
 
 type Outcome = Result<(), Box<dyn Error>>;
 type Row = HashMap<String, f64>;
+/// Folder, exit status, standard output and standard error of a call.
+type Called = (TempDir, Option<i32>, String, String);
+/// Curves by their numbers, and what was printed.
+type Curves = (Vec<Vec<Row>>, String);
 
 /// A rod before an elastic stop, driven at its end.
 const ROD: &str = r#"
@@ -96,7 +100,7 @@ fn rows(path: &Path) -> Result<Vec<Row>, Box<dyn Error>> {
     table.records().map(|record| Ok(row(record?))).collect()
 }
 
-fn call(text: &str, arguments: &[&str]) -> Result<(TempDir, Option<i32>, String, String), Box<dyn Error>> {
+fn call(text: &str, arguments: &[&str]) -> Result<Called, Box<dyn Error>> {
     let folder = tempdir()?;
     fs::write(folder.path().join("scene.toml"), text)?;
     let mut command = Command::cargo_bin("nlmodes-cli")?;
@@ -107,7 +111,7 @@ fn call(text: &str, arguments: &[&str]) -> Result<(TempDir, Option<i32>, String,
 }
 
 /// The curves over a parameter, by their numbers.
-fn followed(text: &str, arguments: &[&str]) -> Result<(Vec<Vec<Row>>, String), Box<dyn Error>> {
+fn followed(text: &str, arguments: &[&str]) -> Result<Curves, Box<dyn Error>> {
     let (folder, code, said, told) = call(text, &[&["follow", "scene.toml"], arguments].concat())?;
     assert_eq!(code, Some(0), "{said}{told}");
     let mut curves: Vec<Vec<Row>> = Vec::new();
@@ -279,7 +283,8 @@ fn a_mode_at_an_energy_over_gap_and_stiffness_is_the_closed_form_of_sdnd122() ->
 
 #[test]
 fn first_touch_of_one_mass_is_where_its_linear_response_is_the_gap() -> Outcome {
-    let more = "[damping]\nratio = 0.02\n[[force]]\nrow = 1\n[response]\nkind = \"frequency\"\nfrequency_hz = [0.3, 0.9]\n\
+    let more = "[damping]\nratio = 0.02\n[[force]]\nrow = 1\n\
+        [response]\nkind = \"frequency\"\nfrequency_hz = [0.3, 0.9]\n\
         levels_n = [0.02]\n[output]\nstability = \"never\"\n";
     let scene = oscillator(5, more);
     let (curves, said) =

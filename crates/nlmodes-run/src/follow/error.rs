@@ -26,7 +26,10 @@ pub enum FollowError {
     #[error("{}", .0.text(false))]
     Scene(SceneError),
     /// The window does not hold the value of the scene.
-    #[error("`{key}` is {value} in the scene, outside of {} to {}; expected a window that holds it", window[0], window[1])]
+    #[error(
+        "`{key}` is {value} in the scene, outside of {} to {}; expected a window that holds it",
+        window[0], window[1]
+    )]
     Window {
         /// The parameter.
         key: String,

@@ -29,8 +29,8 @@ pub fn picture(file: &SceneFile, watch: &Watch, structures: &Structures) -> Resu
     picture::picture(scene, &curves, watch)
 }
 
-/// Peak, largest contact force and folds of the first response at each of its levels, with what 1 % of each parameter of
-/// the scene does to them, in per cent: `[{ level, quantities: [{ name, value, unit, effects: { key: percent } }] }]`.
+/// Peak, largest contact force and folds of the first response at each of its levels, with what 1 % of each parameter
+/// of the scene does to them, in per cent: `[{ level, quantities: [{ name, value, unit, effects: { key: percent } }] }]`.
 ///
 /// # Errors
 /// As [`picture`].

@@ -116,8 +116,8 @@ fn interpolate(curve: &Curve, x: &[f64], y: &[f64], target: f64, before: usize) 
     Some(Between { value, error })
 }
 
-/// The points of a polynomial of lower order around the interval behind `k`: one fewer on either side, or where there is
-/// none on one of them, without the farther end.
+/// The points of a polynomial of lower order around the interval behind `k`: one fewer on either side, or where there
+/// is none on one of them, without the farther end.
 fn lower_order(places: &[f64], k: usize) -> Range<usize> {
     let last = places.len() - 1;
     let [before, after] = [k, last - (k + 1)];

@@ -1,7 +1,7 @@
 //! Derivatives of quantities by parameters of the scene, from those of the points of a curve.
 //!
 //! ```text
-//! q = A where B = v:   dq/dp = A_p − (A_s/B_s) B_p        A_p, B_p at the points of the curve, what is held there being constant
+//! q = A where B = v:   dq/dp = A_p − (A_s/B_s) B_p        A_p, B_p at points of the curve, with what is held there
 //! ```
 
 use nlmodes::modal::{Event, GradientOf};
@@ -140,7 +140,7 @@ pub fn derivatives(curve: &Curve, quantity: &Quantity, keys: &[String]) -> Resul
         }
         Of::Peak => {
             let parts = curve.parts(quantity.response, true);
-            let highest = |part: &Curve| Some(extreme(part.column("fundamental_m")?, |value| value.abs())?);
+            let highest = |part: &Curve| extreme(part.column("fundamental_m")?, |value| value.abs());
             let found = parts.iter().filter_map(|part| Some((part, highest(part)?)));
             let (part, (point, _)) =
                 found.max_by(|a, b| a.1.1.total_cmp(&b.1.1)).ok_or_else(|| super::pick::no_curve(quantity))?;

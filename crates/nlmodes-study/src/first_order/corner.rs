@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::{Cases, Further, Slope, Within};
+use crate::design::Tolerance;
 use crate::error::StudyError;
 use crate::study::Quantity;
 
@@ -29,7 +30,7 @@ pub struct Corner {
 
 /// The ends of the box toward which a quantity grows, or falls; a variable that does nothing stays at its mean.
 pub fn ends(within: &Within<'_>, slope: &Slope, grows: bool) -> Vec<f64> {
-    let end = |(by, tolerance): (&f64, &super::Tolerance)| match *by {
+    let end = |(by, tolerance): (&f64, &Tolerance)| match *by {
         0.0 => tolerance.mean,
         by => tolerance.ends[usize::from((by > 0.0) == grows)],
     };

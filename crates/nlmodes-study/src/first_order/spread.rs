@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use super::{Slope, Tolerance, Within};
+use super::{Slope, Within};
+use crate::design::Tolerance;
 use crate::statistics::Statistics;
 use crate::study::{Study, Variable};
 

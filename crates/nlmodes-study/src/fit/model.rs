@@ -8,7 +8,9 @@ use nlmodes_scene::Diagnostic;
 use super::FitError;
 use crate::case::resolve_differentiated;
 use crate::curve::{Curve, Picked, derivatives, pick};
-use crate::first_order::{Cases, Computing, Further, Tolerance};
+use crate::design::Tolerance;
+use crate::first_order::{Cases, Further};
+use crate::run::Computing;
 use crate::study::{Measured, Of, Place, Quantity, Study};
 
 /// A measured number as a quantity of the curve.

@@ -244,7 +244,8 @@ fn mistakes_of_measured_points_are_said_at_their_place() {
     let refused = |table: &str, over: &str| {
         fs::write(place.path().join("measured.csv"), table).unwrap();
         let text = format!(
-            "scene = \"scene.toml\"\n[fit]\nmeasured = \"measured.csv\"\nover = \"{over}\"\n[[vary]]\nkey = \"damping.ratio\"\n"
+            "scene = \"scene.toml\"\n[fit]\nmeasured = \"measured.csv\"\nover = \"{over}\"\n\
+             [[vary]]\nkey = \"damping.ratio\"\n"
         );
         fs::write(place.path().join("study.toml"), text).unwrap();
         Study::load(&place.path().join("study.toml")).unwrap_err().text(false)
