@@ -274,3 +274,46 @@ fn gradients_of_quantities_of_responses_are_differences_of_cases_and_stand_besid
     assert!(page.contains("<h2>By gradients</h2>") && page.contains("largest at"));
     assert!(first.to_string().contains("down by gradients: "), "{first}");
 }
+
+/// A lightly damped beam, whose largest contact force lies less than a ten-thousandth of the frequency from a fold.
+const STOP: &str = include_str!("../../../../configs/studies/stop.toml");
+
+#[test]
+fn gradients_of_a_largest_force_next_to_a_fold_are_differences_of_cases() {
+    let place = tempfile::tempdir().unwrap();
+    let text = r#"
+scene = "stop.toml"
+[design]
+kind = "first-order"
+[[vary]]
+key = "contact.0.gap_mm"
+name = "gap"
+uniform = [0.95, 1.05]
+[[vary]]
+key = "structure.section.height_mm"
+name = "height"
+uniform = [19.9, 20.1]
+[[quantity]]
+name = "force"
+of = "max_force"
+[[quantity]]
+name = "amplitude"
+of = "fundamental_m"
+at = "max"
+"#;
+    let study = study(text, STOP, place.path());
+    assert!(run(&study, &Settings::default(), &mut Silent).unwrap().is_done());
+    let first = Collected::new(&study, 1).first_order.unwrap();
+    let sensitivity = "\n[[sensitivity]]\nkey = \"damping.ratio\"\n";
+    let other = self::study(text, &format!("{STOP}{sensitivity}"), place.path());
+    let means = [("gap", 1.0), ("height", 20.0)];
+    for quantity in ["force", "amplitude"] {
+        let own = of(&first, quantity);
+        assert_eq!(own.reason, None);
+        let wanted = differences(&other, &means, quantity, 1e-4);
+        for (effect, wanted) in own.effects.iter().zip(&wanted) {
+            let (found, size) = (effect.derivative, wanted.abs().max(1e-2 * own.value.unwrap()));
+            assert!((found - wanted).abs() < 2e-3 * size, "{quantity} by {}: {found} {wanted}", effect.variable);
+        }
+    }
+}
