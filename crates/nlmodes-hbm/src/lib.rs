@@ -100,8 +100,7 @@ pub use periodic::{
 };
 pub use periodic::{
     Closing, ClosingEquation, Column, ContactMotion, Coordinates, DampedStop, EnergyGiven, Floquet, Functional,
-    Grazing, Load, LoadTerm, ModalDamping, ModalStructure, ModeAtRest, Motion, MotionChange, Opening,
-    OperatingPoint,
+    Grazing, Load, LoadTerm, ModalDamping, ModalStructure, ModeAtRest, Motion, MotionChange, Opening, OperatingPoint,
     PeriodicMotion, PeriodicSettings, PeriodicSystem, PhaseCondition, PhaseLag, Refined, ResponseRow, Source,
     StructureChange, StructureState, Watched, modal_grazing, modal_grazing_opened, modal_lift_off,
     modal_lift_off_opened,

@@ -18,7 +18,7 @@ const MOST: [(&str, &str, u64); 9] = [
     ("beam_two_stops", "method.mass_redistribution=\"drop\"", 657),
     ("beam_ten_stops", "method.mass_redistribution=\"drop\"", 561),
     ("rod_two_stops", "method.mass_redistribution=\"drop\"", 394),
-    ("beam_two_stops", "method.symmetry=\"even\"", 430),
+    ("beam_two_stops", "method.symmetry=\"even\"", 478),
     ("beam_ten_stops", "method.symmetry=\"even\"", 470),
 ];
 
