@@ -66,10 +66,15 @@ impl CondensedStructure {
         let open = OpenModes::all_of_massless(reduction.as_ref().map_or(&model, GalerkinReduction::model))?;
         refuse_stiff_springs(&model, &open)?;
         let modal = modal_structure(&open, reduction.as_ref().map_or(&model, GalerkinReduction::model))?;
-        let (modal, static_part) = match model.contact_coordinates() {
-            ContactCoordinates::Nodes => (modal, None),
+        let (modal, static_part) = match (model.contact_coordinates(), &reduction) {
+            (ContactCoordinates::Nodes, _) => (modal, None),
             // A contact node moves in harmonics, also one that has no mass.
-            ContactCoordinates::SpringTips => (modal.clone().with_flexibility_in_harmonics()?, Some(modal)),
+            (ContactCoordinates::SpringTips, None) => (modal.clone().with_flexibility_in_harmonics()?, Some(modal)),
+            // The reduction has the tips as nodes of its own: what they yield is the springs alone.
+            (ContactCoordinates::SpringTips, Some(_)) => {
+                let springs = (0..model.k_nn().nrows()).map(|i| 1.0 / model.k_nn()[(i, i)]);
+                (modal.with_stop_compliance(springs.collect()), None)
+            }
         };
         let failed = |source| HbmError::Linalg { what: "stiffness K_NN of the contact degrees of freedom", source };
         let pressed = DenseLu::factor(model.k_nn()).map_err(failed)?.solve_columns(model.w());
@@ -146,7 +151,8 @@ impl CondensedStructure {
         self.modal.n_contacts()
     }
 
-    /// Coordinates `Φᵀ M q_n` in the lowest `modes` modes of a motion of all degrees of freedom, modes × (H + 1), m·√kg.
+    /// Coordinates `Φᵀ M q_n` in the lowest `modes` modes of a motion of all degrees of freedom, modes × (H + 1),
+    /// m·√kg.
     ///
     /// # Errors
     /// [`HbmError::Size`] for a motion of some of them only.
@@ -188,9 +194,14 @@ impl CondensedStructure {
     /// of the frequency `omega` (rad/s) with these harmonics.
     ///
     /// At the amplitude of grazing, `q_N` is taken to have harmonics `n⁻²`, as a motion whose velocity jumps. Then by
-    /// Rayleigh's principle `|δω/ω| = Σ_n ν⁴/4 q_nᵀ S q_n / (2 E_av) = N_h ω⁴ q_1ᵀ S q_1/(8 E_av)`, over `1 − ν²/λ_m`
-    /// for the terms that follow, with what the reduction [leaves out](GalerkinReduction::left_out). Infinite where the
-    /// modes end below the highest harmonic.
+    /// Rayleigh's principle
+    ///
+    /// ```text
+    /// |δω/ω| = Σ_n ν⁴/4 q_nᵀ S q_n / (2 E_av) = N_h ω⁴ q_1ᵀ S q_1/(8 E_av)
+    /// ```
+    ///
+    /// over `1 − ν²/λ_m` for the terms that follow, with what the reduction [leaves out](GalerkinReduction::left_out).
+    /// Infinite where the modes end below the highest harmonic.
     pub fn held_modes_error(&self, start: &Grazing, omega: f64, harmonics: usize) -> f64 {
         if self.has_all_modes() {
             return 0.0;
@@ -301,10 +312,11 @@ fn refuse_stiff_springs(model: &MasslessContactModel, open: &OpenModes) -> Resul
     if model.contact_coordinates() == ContactCoordinates::Nodes || open.floats() {
         return Ok(());
     }
+    // The spring in series with the structure, over the spring.
     let ratio = |i: usize| {
         let modes = open.omega_squared().iter().enumerate();
         let modal: f64 = modes.map(|(k, square)| open.contact_rows()[(i, k)].powi(2) / square).sum();
-        1.0 + (open.flexibility()[(i, i)] + modal) / open.stop_compliance()[i]
+        model.k_nn()[(i, i)] * (modal + open.flexibility()[(i, i)] + open.stop_compliance()[i])
     };
     match (0..open.n_contacts()).find(|&i| ratio(i) > STIFFEST) {
         Some(contact) => Err(HbmError::ContactTooStiff { contact, ratio: ratio(contact), most: STIFFEST }),

@@ -138,17 +138,18 @@ impl GalerkinReduction {
         let Some(basis) = &self.basis else { return open.rows_of_dofs(dofs) };
         let all: Vec<usize> = (0..self.model.dofs().len()).collect();
         let (own, m) = (open.rows_of_dofs(&all)?, self.n_modes());
-        let [of_modes, of_forces] = [&own.modes, &own.forces].map(|rows| {
-            let linear = basis * rows.subrows(0, m);
-            Mat::from_fn(dofs.len(), rows.ncols(), |i, k| match self.full.linear_dofs().binary_search(&dofs[i]) {
-                Ok(row) => linear[(row, k)],
-                Err(_) => {
-                    let node = self.full.contact_dofs().binary_search(&dofs[i]).unwrap_or_default();
-                    rows[(m + node, k)]
+        let share = |dof: usize, j: usize| match self.full.linear_dofs().binary_search(&dof) {
+            Ok(row) => {
+                if j < m {
+                    basis[(row, j)]
+                } else {
+                    0.0
                 }
-            })
-        });
-        Ok(ResponseRows { modes: of_modes, forces: of_forces })
+            }
+            Err(_) => f64::from(u8::from(self.full.contact_dofs().binary_search(&dof).is_ok_and(|node| j == m + node))),
+        };
+        let shares = Mat::from_fn(dofs.len(), all.len(), |i, j| share(dofs[i], j));
+        Ok(ResponseRows { modes: &shares * own.modes, forces: &shares * own.forces })
     }
 
     /// Displacements or velocities of all degrees of freedom of the full structure, from those of the reduced one.

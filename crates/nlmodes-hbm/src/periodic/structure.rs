@@ -135,6 +135,11 @@ impl ModalStructure {
         Ok(self)
     }
 
+    /// The same structure of whose compliance `A + C` at the contacts this much is that of the stops, c, m/N.
+    pub(crate) fn with_stop_compliance(self, stop_compliance: Vec<f64>) -> Self {
+        Self { stop_compliance, ..self }
+    }
+
     /// The same structure with other gaps, m, c.
     ///
     /// # Errors

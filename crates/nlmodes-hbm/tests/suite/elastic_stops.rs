@@ -287,3 +287,28 @@ fn springs_beside_which_the_structure_is_lost_are_refused_with_their_ratio() {
         }
     }
 }
+
+/// What the modes left out do to the rod falls with the third power of their number, or faster; a spring yields its
+/// force over its stiffness with any number of them, and springs that face each other at one node share its motion.
+#[test]
+fn harmonic_balance_with_fewer_fixed_interface_modes_runs_into_that_with_all() {
+    let rod = rod(40, 1.0, 1.0, 1.0, &[(40, Side::Positive, 1.0), (40, Side::Negative, 1.2)]);
+    let model = on_springs(&rod, &[20.0, 30.0]);
+    let found = |modes: usize| {
+        let tips = MasslessContactModel::with_spring_tips(&model, None).unwrap();
+        let structure = CondensedStructure::new(tips, modes).unwrap();
+        let (mut problem, start) = problem(&structure, 1, 3, Symmetry::Even, Switching::Exact);
+        assert_eq!(problem.frequency_index(), problem.series().width(), "one direction");
+        let branch = follow(&mut problem, &start, 3.0);
+        let last = branch.points.last().unwrap();
+        let modal = problem.modal_point(&last.x, last.residual).unwrap();
+        let yields = modal.contacts[0].peak_force / 20.0;
+        assert!(yields > 1e-3 && (modal.peak - 1.0 - yields).abs() < 1e-12, "{} {yields}", modal.peak);
+        [modal.omega, modal.peak_contact_force, modal.total_energy, modal.coefficients.of(20)[3].re]
+    };
+    let (all, few, more) = (found(40), found(6), found(12));
+    for k in 0..all.len() {
+        let [coarse, fine] = [few[k], more[k]].map(|value| (value / all[k] - 1.0).abs());
+        assert!(fine < 3e-2 && fine < 0.2 * coarse + 1e-9, "{k}: {coarse:e} {fine:e}");
+    }
+}
