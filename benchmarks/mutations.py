@@ -62,7 +62,7 @@ ERRORS = [
     ("sign of the damping in the multipliers", "hbm", "periodic/floquet.rs",
      "(false, false) => -damped() / omega,",
      "(false, false) => (if M { 1.0 } else { -1.0 }) * damped() / omega,"),
-    ("a tenth of the residual flexibility is lost", "reduction", "open_modes.rs",
+    ("a tenth of the residual flexibility is lost", "model", "reduction/open_modes.rs",
      "|i, j| 0.5 * (flexibility[(i, j)] + flexibility[(j, i)])",
      "|i, j| (if M { 0.45 } else { 0.5 }) * (flexibility[(i, j)] + flexibility[(j, i)])"),
     ("a tonne counts as a kilogram (unit)", "io", "units.rs", "(0..lengths).fold(self.mass, |factor, _| factor * self.length)",

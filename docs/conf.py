@@ -18,7 +18,7 @@ include_patterns = [
     "benchmarks/verification.md",
     "benchmarks/results/*.md",
     "benchmarks/nsm/**.md",
-    "crates/nlmodes-matlab/README.md",
+    "crates/nlmodes-cli/matlab/README.md",
     "CHANGELOG.md",
     "CONTRIBUTING.md",
 ]

@@ -3,9 +3,9 @@
 use std::f64::consts::PI;
 
 use nlmodes::fem::{Beam, Direction, MassMatrix, Material, Mesh, Section, Stop, Support};
+use nlmodes::model::reduction::{ModeCount, OpenModes};
 use nlmodes::model::{DofKind, Side};
 use nlmodes_contact::{LcpError, LcpMatrix, Mat, SOLVER_NAMES, solver_by_name};
-use nlmodes_reduction::{ModeCount, OpenModes};
 
 use super::tools::{bisect, integral};
 use super::{Case, Check, Kind};

@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 use std::path::{Path, PathBuf};
 
 use nlmodes::linalg::lowest_modes;
+use nlmodes::model::reduction::{ModeCount, OpenModes};
 use nlmodes_io::{ElementKind, FeFiles, FeModel, Mesh, NodeContact, Skin};
-use nlmodes_reduction::{ModeCount, OpenModes};
 
 use super::{Case, Check, Kind};
 use crate::Failure;

@@ -2,12 +2,12 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
+use nlmodes::model::reduction::{ModeCount, OpenModes};
 use nlmodes::model::{Contact, Drop, MasslessContactModel, Side};
 use nlmodes::response::{
     Damping, EndReason, Event, ResponseCurve, ResponseModel, ResponsePoint, ResponseSettings, damped_mode,
     force_response, frequency_response, phase_resonance,
 };
-use nlmodes_reduction::{ModeCount, OpenModes};
 use num_complex::Complex64;
 
 use super::forced_oscillator::{ForcedOscillator, Response};

@@ -1,8 +1,8 @@
 use nlmodes_contact::{LcpMatrix, LcpSolver, solver_by_name};
 use nlmodes_linalg::{DenseLu, Mat, max_norm, multiply};
 use nlmodes_modal::HarmonicCoefficients;
+use nlmodes_model::reduction::{GalerkinReduction, OpenModes, ResponseRows, RestState};
 use nlmodes_model::{ContactCoordinates, MasslessContactModel};
-use nlmodes_reduction::{GalerkinReduction, OpenModes, ResponseRows, RestState};
 use num_complex::Complex64;
 
 use crate::closed_set::ClosedSet;

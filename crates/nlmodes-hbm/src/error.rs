@@ -2,7 +2,7 @@ use nlmodes_contact::LcpError;
 use nlmodes_linalg::{LinalgError, rounded};
 use nlmodes_modal::ModalError;
 use nlmodes_model::ModelError;
-use nlmodes_reduction::ReductionError;
+use nlmodes_model::reduction::ReductionError;
 use thiserror::Error;
 
 /// Why a periodic problem cannot be set up or evaluated.

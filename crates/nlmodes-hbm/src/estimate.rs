@@ -39,7 +39,7 @@ impl TruncationError {
 /// internal resonance with a harmonic beyond the larger problem would stay unseen. Where a step is not small, as next
 /// to a resonance, two larger problems differ: the larger of both estimates counts. For what the fixed-interface modes that
 /// were not computed change, it has the first term of what the reduction
-/// [leaves out](nlmodes_reduction::GalerkinReduction::left_out) too:
+/// [leaves out](nlmodes_model::reduction::GalerkinReduction::left_out) too:
 ///
 /// ```text
 /// forces ν⁴ S q_N,n on the contact nodes , Σ_n ν⁴/2 q_N,nᴴ S q_N,n more energy        up to 1/(1 − ν²/λ_m) times that
@@ -212,8 +212,8 @@ fn along(rows: &Mat<f64>, k: usize, f: &[Complex64]) -> Complex64 {
 #[cfg(test)]
 mod tests {
     use nlmodes_linalg::sparse_from_triplets;
+    use nlmodes_model::reduction::HeldModes;
     use nlmodes_model::{Contact, Dof, DofKind, Drop, MasslessContactModel, Side, StructuralModel};
-    use nlmodes_reduction::HeldModes;
 
     use super::*;
     use crate::grazing;

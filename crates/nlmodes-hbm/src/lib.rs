@@ -61,7 +61,7 @@
 //! the [`ContactOperator`] over a period and [`Closing`]. Its analyses are constructors:
 //! [`PeriodicSystem::conservative_mode`], [`PeriodicSystem::damped_mode`], [`PeriodicSystem::frequency_response`],
 //! [`PeriodicSystem::force_response`], [`PeriodicSystem::phase_resonance`]. [`PeriodicSystem::floquet`] gives
-//! multipliers from the contact instants. Curves of them: `nlmodes-response`.
+//! multipliers from the contact instants. Curves of them: `nlmodes::response`.
 //!
 //! Equation numbers: S. Peter, F. Schreyer, R. I. Leine, *A method for numerical and experimental nonlinear modal
 //! analysis of nonsmooth systems*, Mechanical Systems and Signal Processing 120 (2019) 793-807. The method: F.

@@ -1,8 +1,8 @@
 use std::f64::consts::TAU;
 
 use nlmodes_linalg::max_norm;
+use nlmodes_model::reduction::{OpenModes, RestState};
 use nlmodes_model::{DofKind, MasslessContactModel};
-use nlmodes_reduction::{OpenModes, RestState};
 
 use crate::periodic::{
     ModalStructure, ModeAtRest, STRAINLESS, modal_grazing_opened, modal_lift_off_opened, unless_touching,

@@ -1,4 +1,5 @@
-//! A linear structure with unilateral contacts, and the same structure with massless contact nodes.
+//! A linear structure with unilateral contacts, the same structure with massless contact nodes, and its reduction to
+//! few modes.
 //!
 //! ```text
 //! M q̈ + K q = W λ ,   0 ≤ g ⊥ λ ≥ 0 ,   g = Wᵀ q + g₀                                   eqs. (4), (5)
@@ -7,7 +8,8 @@
 //! [`StructuralModel`] has `M`, `K` and the contacts. A [`MassRedistribution`] splits the degrees of freedom into those
 //! without contact (L) and those with contact (N) and removes the mass from N, eq. (12); the result, a
 //! [`MasslessContactModel`], is the only model that mixed shooting-harmonic balance accepts. The contact nodes are then
-//! in static equilibrium at any instant, eq. (13), and no impact law is needed.
+//! in static equilibrium at any instant, eq. (13), and no impact law is needed. [`reduction`] keeps the mass of the
+//! contacts, and takes few modes of the structure with the statics of the others.
 //!
 //! | symbol | name | unit | shape | item |
 //! | --- | --- | --- | --- | --- |
@@ -56,6 +58,7 @@ mod linear_modes;
 mod mass_shift;
 mod massless;
 mod redistribution;
+pub mod reduction;
 mod rigid;
 mod steady;
 mod structure;

@@ -6,10 +6,10 @@ use nlmodes::branches::{ComputedBranch, Watch};
 use nlmodes::hbm::{MotionChange, StructureChange};
 use nlmodes::linalg::triplets;
 use nlmodes::modal::Gradient;
+use nlmodes::model::reduction::OpenModes;
 use nlmodes::response::{
     AtValue, Damping, Gradients, ParameterState, ResponseModel, ResponseSettings, Weights, mode_gradients,
 };
-use nlmodes_reduction::OpenModes;
 use nlmodes_scene::assemble::{Assembly, OpenStructure, Structures};
 use nlmodes_scene::scene::{Reduction, Scene, SceneState, Sensitivity};
 

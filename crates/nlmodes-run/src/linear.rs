@@ -9,7 +9,7 @@ use serde::Serialize;
 use crate::character::{characters, same_modes};
 use crate::mass;
 use crate::open_modes::{LISTED, OpenLinearModes};
-use nlmodes_reduction::OpenModes;
+use nlmodes::model::reduction::OpenModes;
 use nlmodes_scene::assemble::{
     Assembly, Strainless, StructureError, Structures, contact_model, element_model, free_modes, redistribution,
 };

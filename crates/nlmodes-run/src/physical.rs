@@ -6,7 +6,7 @@ use nlmodes::hbm::MAX_RECORDED;
 use nlmodes::linalg::{Mat, triplets};
 use nlmodes::modal::{Coordinate, HarmonicCoefficients, ModalPoint, TimeHistory};
 use nlmodes::model::Dof;
-use nlmodes_reduction::OpenModes;
+use nlmodes::model::reduction::OpenModes;
 use nlmodes_scene::assemble::{OpenStructure, StaticState};
 use nlmodes_scene::scene::Scene;
 use num_complex::Complex64;

@@ -6,7 +6,7 @@ use nlmodes::branches::{ComputedBranch, Histories};
 use nlmodes::linalg::sparse_from_triplets;
 use nlmodes::modal::{ClosedSpan, HarmonicCoefficients, Sliding};
 use nlmodes::model::StructuralModel;
-use nlmodes_reduction::ResponseRows;
+use nlmodes::model::reduction::ResponseRows;
 use nlmodes_scene::assemble::{NodeContacts, OpenStructure};
 use nlmodes_scene::scene::Scene;
 use num_complex::Complex64;

@@ -16,13 +16,13 @@ use std::path::PathBuf;
 
 use nlmodes::contact::LcpError;
 use nlmodes::fem::{Beam, FemError, MassMatrix, Material, Mesh, Rod, Section, Step, Stop, StressRow, Support};
+use nlmodes::model::reduction::ReductionError;
 use nlmodes::model::{
     Conserve, Contact, Dof, DofIndex, DofKind, Drop, ImposedFrequencies, MassRedistribution, MasslessContactModel,
     ModelError, Move, StructuralModel,
 };
 use nlmodes_io::{ContactError, DofLabel, ReadError, find_contacts};
 use nlmodes_linalg::{Digits, LinalgError};
-use nlmodes_reduction::ReductionError;
 use thiserror::Error;
 
 pub use open::{NodeContacts, OpenStructure, dofs, free_modes, node_contacts};

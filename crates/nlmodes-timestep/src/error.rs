@@ -1,7 +1,7 @@
 use nlmodes_contact::LcpError;
 use nlmodes_linalg::LinalgError;
 use nlmodes_model::ModelError;
-use nlmodes_reduction::ReductionError;
+use nlmodes_model::reduction::ReductionError;
 use thiserror::Error;
 
 /// Why a motion cannot be integrated or a periodic one cannot be found.

@@ -79,7 +79,7 @@ pub use forced::{
 pub use global_problem::GlobalContactProblem;
 pub use grazing::GrazingState;
 pub use mode_shooting::{MAX_SHOOTING_MODES, ModeShooting};
-pub use nlmodes_reduction::GalerkinReduction;
+pub use nlmodes_model::reduction::GalerkinReduction;
 pub use shooting::{PeriodicMotion, Shooting, ShootingScales};
 pub use state_energy::StateEnergy;
 pub use trajectory::{ClosedInterval, ModalState, Snapshot, Trajectory};

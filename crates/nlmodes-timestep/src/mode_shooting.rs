@@ -1,7 +1,7 @@
 use nlmodes_continuation::{Linearization, ParametricSystem, Scaling};
 use nlmodes_linalg::bilinear;
 use nlmodes_modal::{HarmonicCoefficients, ModalPoint, TimeHistory};
-use nlmodes_reduction::GalerkinReduction;
+use nlmodes_model::reduction::GalerkinReduction;
 
 use crate::phase::dot;
 use crate::verification::{n_intervals, share};

@@ -14,7 +14,7 @@
 //! | crate | what |
 //! | --- | --- |
 //! | [`fem`] | rods and Timoshenko beams → sparse `M`, `K`, contacts |
-//! | [`model`] | structures, massless contact nodes, linear modes |
+//! | [`model`] | structures, massless contact nodes, linear modes, reduction to free- or fixed-interface modes |
 //! | [`contact`] | linear complementarity problems and their solvers |
 //! | [`hbm`] | mixed shooting-harmonic balance |
 //! | [`continuation`] | branches of `R(x, p) = 0`, their folds, crossings and corners |
@@ -55,6 +55,8 @@
 
 pub mod branches;
 pub mod least_squares;
+pub mod response;
+pub mod rig;
 pub mod updating;
 pub mod virtual_test;
 
@@ -67,6 +69,4 @@ pub use nlmodes_linalg as linalg;
 pub use nlmodes_modal as modal;
 pub use nlmodes_model as model;
 pub use nlmodes_report as report;
-pub use nlmodes_response as response;
-pub use nlmodes_rig as rig;
 pub use nlmodes_timestep as timestep;

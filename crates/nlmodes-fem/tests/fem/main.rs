@@ -7,6 +7,7 @@ mod contacts;
 mod euler_bernoulli;
 mod interpolation;
 mod redistribution;
+mod reduction;
 mod reference_values;
 mod rod;
 mod slender;

@@ -3,7 +3,7 @@ use std::f64::consts::TAU;
 use nlmodes_linalg::{Mat, max_norm};
 use nlmodes_modal::{ClosedSpan, ContactPeriod, HarmonicCoefficients, ModalPoint, TimeHistory};
 use nlmodes_model::DofContact;
-use nlmodes_reduction::ResponseRows;
+use nlmodes_model::reduction::ResponseRows;
 use num_complex::Complex64;
 
 use super::law::StopMotion;

@@ -1,6 +1,6 @@
 use nlmodes_linalg::Mat;
 use nlmodes_model::MasslessContactModel;
-use nlmodes_reduction::OpenModes;
+use nlmodes_model::reduction::OpenModes;
 
 use super::damping::ModalDamping;
 use super::structure::ModalStructure;

@@ -11,8 +11,8 @@ use crate::support;
 use nlmodes_hbm::{CondensedStructure, Switching, Symmetry};
 use nlmodes_linalg::sparse_from_triplets;
 use nlmodes_modal::ModalPoint;
+use nlmodes_model::reduction::{ModeCount, OpenModes, ReducedStructure};
 use nlmodes_model::{Contact, Dof, DofKind, Drop, MasslessContactModel, Side, StructuralModel};
-use nlmodes_reduction::{ModeCount, OpenModes, ReducedStructure};
 use support::{fitted_slope, follow, problem, solve_dense};
 
 type Matrix = [[f64; 3]; 3];

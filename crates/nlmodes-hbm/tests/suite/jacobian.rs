@@ -5,8 +5,8 @@ use crate::support;
 use nlmodes_continuation::conformance::jacobian_defect;
 use nlmodes_continuation::{Linearization, ParametricSystem};
 use nlmodes_hbm::{CondensedStructure, MixedShooting, Switching, Symmetry};
+use nlmodes_model::reduction::{HeldMode, HeldModes};
 use nlmodes_model::{Side, StructuralModel};
-use nlmodes_reduction::{HeldMode, HeldModes};
 use support::{condense, condense_tips, on_springs, problem, rod};
 
 const STEP: f64 = 1e-6;

@@ -6,8 +6,8 @@ use crate::support;
 use nlmodes_continuation::{Linearization, ParametricSystem};
 use nlmodes_hbm::{CondensedStructure, Coordinates, ModalDamping, PeriodicSystem, Symmetry, modal_grazing};
 use nlmodes_linalg::{DenseLu, Mat};
+use nlmodes_model::reduction::{HeldModes, ModeCount, OpenModes};
 use nlmodes_model::{Drop, MasslessContactModel, Side};
-use nlmodes_reduction::{HeldModes, ModeCount, OpenModes};
 use support::modal::{Open, newton, settings, solver};
 use support::rod;
 

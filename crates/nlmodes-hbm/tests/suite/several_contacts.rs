@@ -5,8 +5,8 @@ use crate::support;
 use nlmodes_contact::{SOLVER_NAMES, solver_by_name};
 use nlmodes_continuation::EventKind;
 use nlmodes_hbm::{CondensedStructure, MixedShooting, MixedShootingSettings, Switching, Symmetry, grazing};
+use nlmodes_model::reduction::HeldModes;
 use nlmodes_model::{Side, StructuralModel};
-use nlmodes_reduction::HeldModes;
 use support::{FullMatrices, condense, fitted_slope, follow, frequency_ratio, problem, rod, stops};
 
 /// The middle of the rod moves 0.7 times as much as its tip, so with 0.8 it touches after the tip.

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use nlmodes::branches::{BranchError, ComputedBranch};
 use nlmodes::hbm::CondensedStructure;
 use nlmodes::modal::ModalPoint;
-use nlmodes_reduction::OpenModes;
+use nlmodes::model::reduction::OpenModes;
 use nlmodes_scene::counted;
 use nlmodes_scene::scene::Scene;
 

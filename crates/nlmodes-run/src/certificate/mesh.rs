@@ -1,7 +1,7 @@
 //! The linear frequency compared with that of the next finer mesh, and with the mass of the contacts.
 
+use nlmodes::model::reduction::{ModeCount, OpenModes};
 use nlmodes::model::{MassShift, linear_modes};
-use nlmodes_reduction::{ModeCount, OpenModes};
 use nlmodes_scene::assemble::{OpenStructure, element_model};
 use nlmodes_scene::counted;
 use nlmodes_scene::scene::{Contact, Scene, SceneStructure, Structure};

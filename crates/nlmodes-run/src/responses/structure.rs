@@ -2,9 +2,9 @@
 
 use nlmodes::linalg::{multiply, triplets};
 use nlmodes::modal::Coordinate;
+use nlmodes::model::reduction::{ModeCount, OpenModes, ReductionError};
 use nlmodes::model::{Dof, MassShift, MasslessContactModel, StructuralModel};
 use nlmodes::response::{BaseMotion, BaseUnit, Weights};
-use nlmodes_reduction::{ModeCount, OpenModes, ReductionError};
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::{
     Assembly, Body, Elements, OpenStructure, StaticState, Structures, element_model, node_weights, redistribution,

@@ -5,12 +5,12 @@ use std::f64::consts::TAU;
 use nlmodes::branches::Watch;
 use nlmodes::linalg::sparse_from_triplets;
 use nlmodes::modal::ModalBranch;
+use nlmodes::model::reduction::{ModeCount, OpenModes};
 use nlmodes::model::{ContactLaw, Side};
 use nlmodes::response::{
     Damping, ResponseCurve, ResponseModel, ResponsePoint, ResponseSettings, Weights, damped_mode, phase_resonance,
 };
 use nlmodes::rig::RigError;
-use nlmodes_reduction::{ModeCount, OpenModes};
 use nlmodes_scene::scene::{Backbone, BackboneMethod, TestScene};
 
 use super::bench::Rig;

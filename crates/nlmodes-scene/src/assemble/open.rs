@@ -3,9 +3,9 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+use nlmodes::model::reduction::{ModeCount, OpenModes, ReducedStructure, ReductionError};
 use nlmodes::model::{Contact, Dof, DofKind, StructuralModel};
 use nlmodes_io::{Component, FeModel, NodeContact, find_contacts};
-use nlmodes_reduction::{ModeCount, OpenModes, ReducedStructure, ReductionError};
 
 use super::reduced::{self, ReducedElsewhere};
 use super::{StaticState, Strainless, StructureError, Structures, static_loads};

@@ -3,9 +3,9 @@
 use std::f64::consts::TAU;
 
 use nlmodes::linalg::{Mat, SparseMatrix, sparse_from_triplets};
+use nlmodes::model::reduction::{GivenFlexibility, GivenModes, OpenModes, ReductionError};
 use nlmodes::model::{Dof, DofKind};
 use nlmodes_io::{Component, NumberTable, ReadError, read_numbers};
-use nlmodes_reduction::{GivenFlexibility, GivenModes, OpenModes, ReductionError};
 use thiserror::Error;
 
 use super::StructureError;

@@ -7,8 +7,8 @@ use std::time::SystemTime;
 
 use nlmodes::linalg::Worker;
 use nlmodes::model::check_mass;
+use nlmodes::model::reduction::{ModeCount, OpenModes};
 use nlmodes_io::{FeFiles, FeModel, NodeContact, ReadError};
-use nlmodes_reduction::{ModeCount, OpenModes};
 
 use super::StructureError;
 use crate::memory::{Limit, of_files};

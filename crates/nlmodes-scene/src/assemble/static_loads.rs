@@ -8,10 +8,10 @@ use std::path::Path;
 
 use nlmodes::contact::solver_by_name;
 use nlmodes::linalg::{DenseLu, Mat, SparseMatrix, multiply, multiply_many, multiply_transposed};
+use nlmodes::model::reduction::{ModeCount, OpenModes, ReductionError, RestState};
 use nlmodes::model::{Contact, Dof, DofKind, SteadyForce, StructuralModel};
 use nlmodes::response::BaseUnit;
 use nlmodes_io::{ContactNodes, FeModel, ReadError, read_nodal_values};
-use nlmodes_reduction::{ModeCount, OpenModes, ReductionError, RestState};
 
 use super::places::{Body, node_weights, row_weights, unsupported};
 use super::{Elements, StructureError, Structures, dofs};

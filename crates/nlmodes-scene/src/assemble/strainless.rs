@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
+use nlmodes::model::reduction::OpenModes;
 use nlmodes_io::{DofLabel, FeModel};
 use nlmodes_linalg::{Digits, Mat, symmetric_eigen};
-use nlmodes_reduction::OpenModes;
 
 use crate::significant;
 

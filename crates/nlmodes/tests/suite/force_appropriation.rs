@@ -8,13 +8,13 @@ use nlmodes::experiment::phase_loop::{
 };
 use nlmodes::linalg::sparse_from_triplets;
 use nlmodes::modal::LinearModes;
+use nlmodes::model::reduction::{ModeCount, OpenModes};
 use nlmodes::model::{ContactLaw, Side};
 use nlmodes::response::{Damping, ResponseModel, ResponsePoint, ResponseSettings, conservative_mode};
 use nlmodes::rig::{
     ControlChannels, ControlledHarmonics, DrivePoint, Exciter, Finding, LinearStructure, MotionQuantity, RigError,
     RigSetup, Sensor, SensorPlace, Session, Shaker, Stop, VirtualTest,
 };
-use nlmodes_reduction::{ModeCount, OpenModes};
 use num_complex::Complex64;
 
 const HZ: f64 = 40.0;

@@ -9,6 +9,8 @@ mod hard_cases;
 mod large_structure;
 mod own_matrices;
 mod paper_map;
+mod response;
+mod rig;
 mod rod_paper;
 mod shooting;
 mod support;

@@ -1,0 +1,6 @@
+//! All tests of `nlmodes-model` beside those in its sources, as one binary: each would link all dependencies once
+//! more.
+
+mod beams_and_springs;
+mod few_digits;
+mod given;
