@@ -1,12 +1,12 @@
 use std::sync::Arc;
 
-use crate::response::{curve_end, energy_bound, frequency_bound};
 use nlmodes_continuation::{ParametricSystem, StopReason};
 use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting, Switching};
 use nlmodes_modal::{BranchEnd, Coordinate, EndReason, ModalBranch, ModalPoint, TimeHistory, Tongue, tongues};
 use nlmodes_model::ContactCoordinates;
 use nlmodes_timestep::ModeShooting;
 
+use crate::response::{curve_end, energy_bound, frequency_bound};
 use super::beyond::{BeyondAccuracy, beyond};
 use super::prepare::{exact, periodic, problem};
 use super::trace::Tracer;

@@ -4,6 +4,7 @@ use nlmodes_hbm::{CondensedStructure, RealSeries};
 use nlmodes_modal::ModalPoint;
 
 use super::homotopy::{self, Effort};
+use super::periodic::Periodic;
 use super::prepare::periodic;
 use super::start::one_point;
 use super::{BranchError, BranchSettings, ComputedBranch};
@@ -53,21 +54,19 @@ impl ComputedBranch {
         structure: &CondensedStructure,
     ) -> Result<Option<ModalPoint>, BranchError> {
         let own = self.settings_at(point);
-        let p = (self.branch.points[point].kinetic_energy / self.grazing.energy).ln();
-        let mut series = RealSeries { symmetry: own.symmetry, n_harmonics: own.harmonics };
-        let (mut x, mut found) = (self.unknowns[point].clone(), None);
+        let of_branch = RealSeries { symmetry: own.symmetry, n_harmonics: own.harmonics };
+        let (mut x, mut series, mut found) = (self.unknowns[point].clone(), of_branch, None);
         for &harmonics in steps {
             let settings = BranchSettings { harmonics, ..own.clone() };
             let mut problem = periodic(structure, &settings, &self.grazing)?;
             let Some(finer) = problem.harmonics() else { return Err(BranchError::NotHarmonic) };
-            let guess: Vec<f64> = finer.resized(&x, series).into_iter().chain([p]).collect();
+            let guess = finer.resized(&x, series);
+            let along = self.along(point).map(|along| finer.resized(&along, of_branch));
             series = finer.series();
-            let coordinate = guess.len() - 1;
-            let mut energy = vec![0.0; guess.len()];
-            energy[coordinate] = 1.0;
-            let corrected = one_point(&settings, &self.grazing, &mut problem, &guess, &energy, &mut ()).or_else(|| {
+            let corrected = self.at_energy(point, &settings, &mut problem, (&guess, along)).or_else(|| {
                 // A step in between is worth a way of its own.
-                let effort = Effort::LITTLE;
+                let guess: Vec<f64> = guess.into_iter().chain([self.energy_of(point)]).collect();
+                let (coordinate, effort) = (guess.len() - 1, Effort::LITTLE);
                 let try_it = steps.len() > 1;
                 try_it.then(|| homotopy::solve(&mut problem, &guess, coordinate, &settings.step, effort, &mut ()))?
             });
@@ -81,17 +80,45 @@ impl ComputedBranch {
     /// Whether Newton's method at the energy of a point leads from this motion to the point.
     fn leads_back(&self, point: usize, x: &[f64], series: RealSeries) -> Result<bool, BranchError> {
         let (own, settings) = (&self.unknowns[point], self.settings_at(point));
-        let p = (self.branch.points[point].kinetic_energy / self.grazing.energy).ln();
         let mut problem = periodic(&self.structure, &settings, &self.grazing)?;
         let Some(coarser) = problem.harmonics() else { return Err(BranchError::NotHarmonic) };
-        let guess: Vec<f64> = coarser.resized(x, series).into_iter().chain([p]).collect();
-        let mut energy = vec![0.0; guess.len()];
-        energy[own.len()] = 1.0;
-        let found = one_point(&settings, &self.grazing, &mut problem, &guess, &energy, &mut ());
+        let guess = coarser.resized(x, series);
+        let found = self.at_energy(point, &settings, &mut problem, (&guess, self.along(point)));
         let size = |x: &[f64]| x.iter().map(|v| v * v).sum::<f64>().sqrt();
         Ok(found.is_some_and(|(back, _)| {
             let off: Vec<f64> = back.iter().zip(own).map(|(a, b)| a - b).collect();
             size(&off) <= SAME * size(own)
         }))
+    }
+
+    /// The motion at the energy of a point next to a guess of other harmonics or modes. Newton's method goes first to
+    /// the motion on the plane across the branch, `along` whose direction the guess is not changed: before a stop much
+    /// stiffer than the structure the energy of a guess off the equations depends on its forces, and is no guide.
+    fn at_energy(
+        &self,
+        point: usize,
+        settings: &BranchSettings,
+        problem: &mut Periodic<'_>,
+        (guess, along): (&[f64], Option<Vec<f64>>),
+    ) -> Option<(Vec<f64>, f64)> {
+        let p = self.energy_of(point);
+        let with = |x: &[f64], last: f64| -> Vec<f64> { x.iter().copied().chain([last]).collect() };
+        let mut solve = |z: &[f64], across: &[f64]| one_point(settings, &self.grazing, problem, z, across, &mut ());
+        let next = along.and_then(|along| solve(&with(guess, p), &with(&along, 0.0)));
+        let from = next.map_or_else(|| guess.to_vec(), |(x, _)| x);
+        solve(&with(&from, p), &with(&vec![0.0; from.len()], 1.0))
+    }
+
+    /// `ln E/E_g` of a point, the parameter of its equations.
+    fn energy_of(&self, point: usize) -> f64 {
+        (self.branch.points[point].kinetic_energy / self.grazing.energy).ln()
+    }
+
+    /// The difference of the unknowns of the neighbours of a point, where they have as many.
+    fn along(&self, point: usize) -> Option<Vec<f64>> {
+        let [before, behind] = [point.saturating_sub(1), (point + 1).min(self.unknowns.len() - 1)];
+        let (own, before, behind) = (&self.unknowns[point], &self.unknowns[before], &self.unknowns[behind]);
+        let along: Vec<f64> = behind.iter().zip(before).map(|(a, b)| a - b).collect();
+        (own.len() == before.len() && own.len() == behind.len() && along.iter().any(|v| *v != 0.0)).then_some(along)
     }
 }
