@@ -98,6 +98,7 @@ pub fn branch_settings(scene: &Scene) -> BranchSettings {
         },
         max_branches: scene.continuation.max_branches,
         internal_resonance: match scene.continuation.internal_resonance {
+            InternalResonance::Auto => ResonanceRule::Auto,
             InternalResonance::Follow => ResonanceRule::Follow,
             InternalResonance::Skip => ResonanceRule::Skip,
         },

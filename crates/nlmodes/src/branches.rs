@@ -9,6 +9,7 @@ mod equal;
 mod error;
 mod events;
 mod found;
+mod guide;
 mod histories;
 mod homotopy;
 mod left;

@@ -8,11 +8,11 @@ use nlmodes_linalg::sparse_from_triplets;
 use nlmodes_modal::{LinearModes, ModalError};
 use nlmodes_model::{Contact, ContactLaw, Dof, DofKind, Drop, MasslessContactModel, Side, StructuralModel};
 
+use crate::branches::{Ended, Watch};
 use crate::rig::{
     Chain, ControlledHarmonics, DrivePoint, Exciter, LevelOutcome, LinearStructure, ModalReduction, MotionQuantity,
     RigError, RigSetup, Sensor, SensorPlace, Stop, VirtualTest,
 };
-use crate::branches::{Ended, Watch};
 
 /// Channel of the excitation force in [`Bench::setup`].
 pub const FORCE: usize = 0;

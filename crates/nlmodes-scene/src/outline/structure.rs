@@ -201,8 +201,11 @@ fn branch(continuation: &Continuation, mode: usize, reference: &str) -> String {
             Some(format!("all half-branches of branch points, at most {} branches", continuation.max_branches))
         }
     };
-    let skip = continuation.internal_resonance == InternalResonance::Skip;
-    let tongues = skip.then(|| "internal-resonance branches skipped".to_owned());
+    let tongues = match continuation.internal_resonance {
+        InternalResonance::Auto => None,
+        InternalResonance::Follow => Some("internal-resonance branches followed".to_owned()),
+        InternalResonance::Skip => Some("internal-resonance branches skipped".to_owned()),
+    };
     let parts: Vec<String> = [Some(format!("mode {mode} {from}")), energy, window, Some(points), arms, tongues]
         .into_iter()
         .flatten()

@@ -254,10 +254,12 @@ choices! {
     /// What is done where an internal resonance leads the branch away.
     #[derive(Default)]
     InternalResonance {
-        /// Follow it
+        /// `"skip"` with harmonics, where branch points are passed on the same branch, otherwise `"follow"`
         #[default]
+        Auto = "auto",
+        /// Follow it
         Follow = "follow",
-        /// Leave it out and continue with the backbone beyond it
+        /// Leave it out and continue with the backbone beyond it; follow it where no backbone is found there
         Skip = "skip",
     }
     /// Which way a branch leaves its start.

@@ -6,11 +6,11 @@ use nlmodes_modal::{BranchEnd, Coordinate, EndReason, ModalBranch, ModalPoint, T
 use nlmodes_model::ContactCoordinates;
 use nlmodes_timestep::ModeShooting;
 
-use crate::response::{curve_end, energy_bound, frequency_bound};
 use super::beyond::{BeyondAccuracy, beyond};
 use super::prepare::{exact, periodic, problem};
 use super::trace::Tracer;
-use super::{AccuracyReached, BranchError, BranchMethod, BranchSettings, ResonanceRule};
+use super::{AccuracyReached, BranchError, BranchMethod, BranchSettings};
+use crate::response::{curve_end, energy_bound, frequency_bound};
 
 /// A branch with what is needed to look closer at its points.
 #[derive(Debug)]
@@ -72,7 +72,7 @@ pub enum BranchProgress<'a> {
 impl ComputedBranch {
     /// Whether branches of internal resonances were to be left out.
     pub fn skips_internal_resonances(&self) -> bool {
-        self.settings.internal_resonance == ResonanceRule::Skip
+        self.settings.skips_internal_resonances()
     }
 
     /// Motion and force of contact `contact` over one period of point `point`.

@@ -15,7 +15,6 @@ use super::start::{Seed, seed};
 use super::trace::Tracer;
 use super::{
     AccuracyReached, BranchError, BranchMethod, BranchPointRule, BranchSettings, BranchStart, Ended, FOLLOWING,
-    ResonanceRule,
 };
 
 /// Branches of a nonlinear mode that are connected by branch points.
@@ -117,13 +116,13 @@ fn with_modes(
         false => Event::Start,
     };
     settings.watch.begins(FOLLOWING)?;
-    let (traced, not_followed) = match (settings.at_branch_point, settings.internal_resonance) {
-        (BranchPointRule::All, _) => all(&mut tracer, &seed, start_event, observe)?,
-        (_, ResonanceRule::Skip) => {
+    let (traced, not_followed) = match settings.at_branch_point {
+        BranchPointRule::All => all(&mut tracer, &seed, start_event, observe)?,
+        _ if settings.skips_internal_resonances() => {
             let (found, end) = skip::follow(&mut tracer, seed, start_event, observe)?;
             (vec![Traced { found, end, origin: None }], 0)
         }
-        (_, ResonanceRule::Follow) => (vec![one(&mut tracer, &seed, start_event, observe)?], 0),
+        _ => (vec![one(&mut tracer, &seed, start_event, observe)?], 0),
     };
     if tracer.too_few_modes {
         return Ok(WithModes::TooFew(structure.n_held_modes()));

@@ -19,6 +19,8 @@ pub(super) struct Effort {
 impl Effort {
     /// For a beginning.
     pub const FULL: Self = Self { points: 500, evaluations: 1000 };
+    /// For one of some hundred tries, of which few have to succeed.
+    pub const SOME: Self = Self { points: 100, evaluations: 300 };
     /// For one of many tries.
     pub const LITTLE: Self = Self { points: 20, evaluations: 60 };
 }

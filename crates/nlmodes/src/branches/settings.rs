@@ -40,11 +40,14 @@ pub enum BranchPointRule {
 /// What is done where an internal resonance leads a branch away from the backbone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ResonanceRule {
-    /// The branch is followed up the tongue, to wherever it leads.
+    /// [`Self::Skip`] for a branch in harmonics that stays on its own half-branch at branch points, else
+    /// [`Self::Follow`].
     #[default]
+    Auto,
+    /// The branch follows an internal resonance to wherever it leads.
     Follow,
-    /// The branch ends at the foot of the tongue and goes on at its other side; not together with
-    /// [`BranchPointRule::All`].
+    /// The branch is the backbone: it leaves out the branch of an internal resonance and goes on behind it. Where no
+    /// backbone is found behind one, that one is followed. Not together with [`BranchPointRule::All`].
     Skip,
 }
 
@@ -106,7 +109,7 @@ pub struct BranchSettings {
     pub at_branch_point: BranchPointRule,
     /// Most branches of a tree. Default 20.
     pub max_branches: usize,
-    /// Whether the tongues of internal resonances are followed. Default yes.
+    /// Whether the branches of internal resonances are followed. Default [`ResonanceRule::Auto`].
     pub internal_resonance: ResonanceRule,
     /// For which points Floquet multipliers are computed. Default where that is cheap.
     pub stability: StabilityRule,
@@ -142,13 +145,26 @@ impl Default for BranchSettings {
             start: BranchStart::Grazing,
             at_branch_point: BranchPointRule::Stay,
             max_branches: 20,
-            internal_resonance: ResonanceRule::Follow,
+            internal_resonance: ResonanceRule::Auto,
             stability: StabilityRule::Auto,
             stability_modes: 16,
             stability_budget_s: None,
             max_points: 5000,
             step: StepSettings::default(),
             watch: Watch::default(),
+        }
+    }
+}
+
+impl BranchSettings {
+    /// Whether the branches of internal resonances are left out.
+    pub(super) fn skips_internal_resonances(&self) -> bool {
+        match self.internal_resonance {
+            ResonanceRule::Auto => {
+                self.method == BranchMethod::HarmonicBalance && self.at_branch_point == BranchPointRule::Stay
+            }
+            ResonanceRule::Follow => false,
+            ResonanceRule::Skip => self.at_branch_point != BranchPointRule::All,
         }
     }
 }

@@ -8,9 +8,11 @@ use nlmodes_modal::{BranchEnd, EndReason, Event, InternalResonance, ModalPoint, 
 
 use super::branch::branch_end;
 use super::found::{First, Found, Shown};
+use super::guide::Guides;
+use super::homotopy::Effort;
 use super::start::{Seed, Target, heading, refined};
 use super::trace::Tracer;
-use super::{BranchError, BranchProgress, FOLLOWING};
+use super::{BranchError, BranchProgress, FOLLOWING, ResonanceRule};
 
 /// Share of the kinetic energy in the resonant harmonic at the foot of a tongue, where the branch beside it has less
 /// than half of that.
@@ -30,7 +32,7 @@ const FURTHER: f64 = 2e-3;
 const FURTHEST: f64 = 0.2;
 
 /// Follows the backbone from `seed`; where it runs into an internal resonance, it goes back to the foot of the tongue,
-/// and on behind it.
+/// and on behind it. A tongue behind which no backbone is found is followed.
 pub(super) fn follow(
     tracer: &mut Tracer,
     mut seed: Seed,
@@ -38,7 +40,7 @@ pub(super) fn follow(
     observe: &mut dyn FnMut(BranchProgress) -> ControlFlow<()>,
 ) -> Result<(Found, BranchEnd), BranchError> {
     let upward = heading(tracer, &seed)?;
-    let mut all = Found::default();
+    let (mut all, mut guides, mut followed) = (Found::default(), Guides::default(), Vec::<Followed>::new());
     let mut first = First::Named(start_event);
     // Where the stretch since the last tongue begins.
     let mut stretch = 0;
@@ -47,6 +49,9 @@ pub(super) fn follow(
         let watch = tracer.settings.watch.clone();
         let _ = watch.begins(FOLLOWING);
         let before = all.points.len();
+        // On a tongue that is followed all others are part of it.
+        let is_followed = |found: InternalResonance| followed.iter().any(|each| each.resonance == found);
+        let mut on_tongue = all.points.last().and_then(|last| last.resonance).is_some_and(is_followed);
         let traced = tracer.trace(&seed, None, first, |shown| {
             let point = match shown {
                 Shown::Point(point) => point,
@@ -55,7 +60,12 @@ pub(super) fn follow(
                     return observe(BranchProgress::Withdrawn { branch: 0, kept: count });
                 }
             };
-            resonance = point.resonance;
+            let was_on_tongue = on_tongue;
+            on_tongue = point.resonance.is_some_and(|found| on_tongue || is_followed(found));
+            if was_on_tongue && !on_tongue {
+                stretch = count;
+            }
+            resonance = point.resonance.filter(|_| !on_tongue);
             if resonance.is_some() {
                 return ControlFlow::Break(());
             }
@@ -67,33 +77,41 @@ pub(super) fn follow(
             Err(_) if watch.has_ended() && before > 0 => (Found::default(), StopReason::Stopped),
             traced => traced?,
         };
-        let Some(resonance) = resonance else {
-            all.append(segment);
-            let end = branch_end(&stop, tracer, all.points.len());
-            return Ok((all, end));
-        };
         all.append(segment);
-        let on_tongue = all.points.len() - 1;
-        let Some(foot) = foot(&all.points[stretch..on_tongue], resonance, upward).map(|i| stretch + i) else {
-            // The one point that there is to show.
-            let _ = observe(BranchProgress::Found { branch: 0, point: &all.points[on_tongue] });
-            return Ok((all, lost(resonance, "it begins on the internal-resonance branch")));
+        let Some(resonance) = resonance else {
+            let mut end = branch_end(&stop, tracer, all.points.len());
+            if let Some(followed) = followed.last().filter(|_| on_tongue && end.complete) {
+                end.complete = tracer.settings.internal_resonance != ResonanceRule::Skip;
+                end.message += &format!(
+                    ", on the internal-resonance branch {}, which was followed: {}",
+                    followed.resonance, followed.why
+                );
+            }
+            return Ok((all, end));
         };
-        all.truncate(foot + 1);
-        mark(&mut all.points[foot], resonance, Event::TongueFoot);
-        let withdrawn = observe(BranchProgress::Withdrawn { branch: 0, kept: foot });
-        let marked = BranchProgress::Found { branch: 0, point: &all.points[foot] };
-        if withdrawn.is_break() || observe(marked).is_break() {
-            let end = branch_end(&StopReason::Stopped, tracer, all.points.len());
-            return Ok((all, end));
-        }
-        let near = all.points[foot].clone();
-        let behind = resume(tracer, &near, upward, resonance);
+        let last = all.points.len() - 1;
+        let foot = foot(&all.points[stretch..last], resonance, upward).map(|i| stretch + i);
+        let behind = match foot {
+            Some(foot) => resume(tracer, &mut guides, &all.points[foot], (upward, resonance)),
+            None => Ok(Behind::Nothing("it begins on it".to_owned())),
+        };
         if watch.has_ended() {
+            all.truncate(last);
             let end = branch_end(&StopReason::Stopped, tracer, all.points.len());
             return Ok((all, end));
         }
-        match behind? {
+        let behind = behind?;
+        if let (Some(foot), Behind::Found { .. } | Behind::Limit(_)) = (foot, &behind) {
+            all.truncate(foot + 1);
+            mark(&mut all.points[foot], resonance, Event::TongueFoot);
+            let withdrawn = observe(BranchProgress::Withdrawn { branch: 0, kept: foot });
+            let marked = BranchProgress::Found { branch: 0, point: &all.points[foot] };
+            if withdrawn.is_break() || observe(marked).is_break() {
+                let end = branch_end(&StopReason::Stopped, tracer, all.points.len());
+                return Ok((all, end));
+            }
+        }
+        match behind {
             Behind::Found { points, seed: next } => {
                 for point in &points.points {
                     if observe(BranchProgress::Found { branch: 0, point }).is_break() {
@@ -103,13 +121,38 @@ pub(super) fn follow(
                 }
                 stretch = all.points.len();
                 all.append(*points);
-                seed = next;
-                first = First::Known;
+                (seed, first) = (next, First::Known);
             }
-            Behind::Nothing(why) => return Ok((all, lost(resonance, &why))),
-            Behind::Window => return Ok((all, window(resonance))),
+            Behind::Limit(end) => return Ok((all, end)),
+            Behind::Nothing(why) => {
+                let shown = observe(BranchProgress::Found { branch: 0, point: &all.points[last] });
+                if shown.is_break() || all.points.len() >= limit {
+                    let end = branch_end(&StopReason::Stopped, tracer, all.points.len());
+                    return Ok((all, end));
+                }
+                let Some(next) = ahead(tracer, &all) else { return Ok((all, lost(resonance, &why))) };
+                followed.push(Followed { resonance, why });
+                (seed, first) = (next, First::Known);
+            }
         }
     }
+}
+
+/// An internal resonance whose branch is followed, and why.
+struct Followed {
+    resonance: InternalResonance,
+    why: String,
+}
+
+/// Where the last two points lead.
+fn ahead(tracer: &Tracer, all: &Found) -> Option<Seed> {
+    let p = |point: &ModalPoint| (point.kinetic_energy / tracer.grazing.energy).ln();
+    let ([.., before, x], [.., earlier, last]) = (&all.unknowns[..], &all.points[..]) else { return None };
+    if before.len() != x.len() {
+        return None;
+    }
+    let direction = x.iter().zip(before).map(|(a, b)| a - b).chain([p(last) - p(earlier)]).collect();
+    Some(Seed { x: x.clone(), p: p(last), direction, harmonics: tracer.settings.harmonics })
 }
 
 /// What was found behind a tongue.
@@ -120,48 +163,53 @@ enum Behind {
         seed: Seed,
     },
     Nothing(String),
-    /// The frequency window ends before anything is found.
-    Window,
+    /// A limit of the branch lies within the tongue.
+    Limit(BranchEnd),
 }
 
 /// Seeks the backbone behind a tongue at growing distances, and goes from there back to the foot of the tongue.
 fn resume(
     tracer: &mut Tracer,
+    guides: &mut Guides,
     near: &ModalPoint,
-    upward: bool,
-    resonance: InternalResonance,
+    (upward, resonance): (bool, InternalResonance),
 ) -> Result<Behind, BranchError> {
     let (mut distance, sense) = (BEYOND.0, if upward { 1.0 } else { -1.0 });
     let highest = tracer.settings.max_energy_ratio.map_or(f64::INFINITY, f64::ln);
-    let (mut why, mut least) = ("the backbone was not found behind it".to_owned(), f64::INFINITY);
+    let (mut why, mut least, mut has_less) = (None, f64::INFINITY, false);
     while distance < FURTHEST {
         let hz = near.omega * (1.0 + sense * distance) / TAU;
         distance = (distance * BEYOND.1).min(distance + FURTHER);
         if tracer.settings.frequency_hz.is_some_and(|[low, high]| !(low..=high).contains(&hz)) {
-            return Ok(Behind::Window);
+            return Ok(Behind::Limit(window(resonance)));
         }
         let target = Target::Frequency(hz);
-        let seed = match refined(tracer.structure, &tracer.settings, tracer.grazing, target, upward, tracer.log) {
+        let (structure, settings, grazing) = (tracer.structure, &tracer.settings, tracer.grazing);
+        let effort = Effort::SOME;
+        let seed = match refined(structure, settings, grazing, (target, upward), (guides, effort), tracer.log) {
             Ok(seed) => seed,
             Err(error @ BranchError::NoStart { .. }) => {
-                why = error.to_string();
+                why.get_or_insert_with(|| error.to_string());
                 continue;
             }
             Err(error) => return Err(error),
         };
         if seed.p > highest {
             least = least.min(seed.p.exp());
-            why = format!(
-                "behind it, up to {:.6} Hz, all motions that were found have more than the largest energy, {least:.1} \
-                    times that at grazing or more",
-                hz
-            );
             continue;
         }
+        has_less = true;
         let Some(points) = back_to_foot(tracer, &seed, near, upward, resonance)? else { continue };
         return Ok(Behind::Found { points: Box::new(points), seed });
     }
-    Ok(Behind::Nothing(why))
+    if least.is_finite() && !has_less {
+        let message = format!(
+            "behind the internal-resonance branch {resonance}, which is skipped, all motions that were found have more \
+                than the largest energy, {least:.1} times that at grazing or more"
+        );
+        return Ok(Behind::Limit(BranchEnd::new(EndReason::MaxEnergy, message, true)));
+    }
+    Ok(Behind::Nothing(why.unwrap_or_else(|| "the backbone was not found behind it".to_owned())))
 }
 
 /// The branch from the foot behind the tongue to `seed`; `None` if that lies on a tongue itself, or on the near side of

@@ -1,19 +1,17 @@
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
-use nlmodes_continuation::{Bound, Branch, ParametricSystem, RunLog, StopReason};
+use nlmodes_continuation::{ParametricSystem, RunLog};
 use nlmodes_hbm::{CondensedStructure, FEW_HARMONICS, Grazing, MixedShooting, harmonics_on_the_way};
 use nlmodes_modal::ModalPoint;
 
+use super::guide::{Guide, Guides};
 use super::homotopy::{self, Effort};
 use super::periodic::Periodic;
 use super::prepare::{continuation, periodic, problem, within_window};
 use super::touching::beginning;
 use super::trace::Tracer;
 use super::{BranchError, BranchMethod, BranchSettings, BranchStart};
-
-/// Most points on the way to a start.
-const APPROACH: usize = 1000;
 
 /// Harmonics, at least, of a point from which an exact motion is sought.
 const BEFORE_SHOOTING: usize = 20;
@@ -40,9 +38,9 @@ impl Seed {
 
 /// Where frequency and parameter stand in `z = (x, p)`.
 #[derive(Debug, Clone, Copy)]
-struct Place {
-    frequency: usize,
-    dim: usize,
+pub(super) struct Place {
+    pub frequency: usize,
+    pub dim: usize,
 }
 
 impl From<&MixedShooting<'_>> for Place {
@@ -68,7 +66,7 @@ pub(super) enum Target {
 
 impl Target {
     /// The coordinate of `z = (x, p)` that it fixes, and its value.
-    fn coordinate(self, place: Place, start: &Grazing) -> (usize, f64) {
+    pub fn coordinate(self, place: Place, start: &Grazing) -> (usize, f64) {
         match self {
             Self::Frequency(hz) => (place.frequency, hz * TAU / start.omega),
             Self::Energy(ratio) => (place.dim, ratio.ln()),
@@ -83,15 +81,15 @@ impl Target {
         }
     }
 
-    fn not_found(self, reason: String) -> BranchError {
+    pub fn not_found(self, reason: String) -> BranchError {
         match self {
             Self::Frequency(hz) => BranchError::NoStart { hz, reason },
             Self::Energy(ratio) => BranchError::NoStartAtEnergy { ratio, reason },
         }
     }
 
-    /// Where the search begins: the coordinate at grazing.
-    fn at_grazing(self) -> f64 {
+    /// The coordinate at grazing.
+    pub fn at_grazing(self) -> f64 {
         match self {
             Self::Frequency(_) => 1.0,
             Self::Energy(_) => 0.0,
@@ -124,23 +122,27 @@ pub(super) fn seed(
     };
     settings.watch.begins(target.sought(start))?;
     let mut other = periodic(structure, settings, start)?;
-    match on_backbone(&mut other, settings, start, target, log) {
+    let guide = Guide::trace(&mut other, settings, start, Some(target), log);
+    match guide.and_then(|guide| guide.at(&mut other, settings, start, target, log)) {
         Ok((x, p)) => {
             let direction = along((&*problem).into(), start, target, upward);
             Ok(Seed { x, p, direction, harmonics: settings.harmonics })
         }
-        Err(_) => refined(structure, settings, start, target, upward, log),
+        Err(_) => {
+            let guides = &mut Guides::to(target);
+            refined(structure, settings, start, (target, upward), (guides, Effort::FULL), log)
+        }
     }
 }
 
-/// A point found with few harmonics, whose backbone little interrupts, and then corrected with more and more, the
-/// frequency or the energy kept.
+/// A point of a guide with few harmonics, corrected with more and more of them, the frequency or the energy kept; each
+/// time with so much effort where Newton's method alone does not do.
 pub(super) fn refined(
     structure: &CondensedStructure,
     settings: &BranchSettings,
     start: &Grazing,
-    target: Target,
-    upward: bool,
+    (target, upward): (Target, bool),
+    (guides, effort): (&mut Guides, Effort),
     log: &mut dyn RunLog,
 ) -> Result<Seed, BranchError> {
     settings.watch.begins(target.sought(start))?;
@@ -154,7 +156,7 @@ pub(super) fn refined(
         ..settings.clone()
     };
     for first in FEW_HARMONICS.into_iter().filter(|few| *few == 1 || *few < harmonic.harmonics) {
-        let found = refined_from(structure, &harmonic, start, target, upward, first, log);
+        let found = refined_from(structure, &harmonic, start, (target, upward), first, (guides, effort), log);
         let found = found.and_then(|(seed, point)| match settings.method {
             BranchMethod::HarmonicBalance => Ok(seed),
             BranchMethod::Shooting => exact_seed(structure, settings, start, target, upward, &point, log),
@@ -203,16 +205,17 @@ fn refined_from(
     structure: &CondensedStructure,
     settings: &BranchSettings,
     start: &Grazing,
-    target: Target,
-    upward: bool,
+    (target, upward): (Target, bool),
     first: usize,
+    (guides, effort): (&mut Guides, Effort),
     log: &mut dyn RunLog,
 ) -> Result<(Seed, ModalPoint), BranchError> {
     let coarse = BranchSettings { harmonics: first, ..settings.clone() };
     let coarse_problem = problem(structure, &coarse, start)?;
     let mut series = coarse_problem.series();
-    let (mut x, mut p) =
-        on_backbone(&mut Periodic::in_harmonics(coarse_problem, &coarse), &coarse, start, target, log)?;
+    let mut coarse_problem = Periodic::in_harmonics(coarse_problem, &coarse);
+    let guide = guides.of(&mut coarse_problem, &coarse, start, log)?;
+    let (mut x, mut p) = guide.at(&mut coarse_problem, &coarse, start, target, log)?;
     for harmonics in harmonics_on_the_way(first, settings.harmonics) {
         let step = BranchSettings { harmonics, ..settings.clone() };
         let problem = self::problem(structure, &step, start)?;
@@ -223,7 +226,7 @@ fn refined_from(
         let (coordinate, _) = target.coordinate((&problem).into(), start);
         let mut problem = Periodic::in_harmonics(problem, &step);
         let corrected = one_point(&step, start, &mut problem, &guess, &direction, log)
-            .or_else(|| homotopy::solve(&mut problem, &guess, coordinate, &step.step, Effort::FULL, log))
+            .or_else(|| homotopy::solve(&mut problem, &guess, coordinate, &step.step, effort, log))
             .ok_or_else(|| target.not_found(format!("Newton's method fails with {harmonics} harmonics")))?;
         series = finer;
         (x, p) = corrected;
@@ -232,41 +235,6 @@ fn refined_from(
     let point = problem.modal_point(&x, 0.0)?;
     let direction = along((&problem).into(), start, target, upward);
     Ok((Seed { x, p, direction, harmonics: settings.harmonics }, point))
-}
-
-/// The point at the target to which the branch leads from grazing.
-fn on_backbone(
-    problem: &mut Periodic,
-    settings: &BranchSettings,
-    start: &Grazing,
-    target: Target,
-    log: &mut dyn RunLog,
-) -> Result<(Vec<f64>, f64), BranchError> {
-    let place = Place::from(&*problem);
-    let (coordinate, value) = target.coordinate(place, start);
-    let mut method = continuation(settings, start, place.frequency, place.dim);
-    method.bounds.truncate(1); // the energy
-    let (min, max) = if value > target.at_grazing() { (f64::NEG_INFINITY, value) } else { (value, f64::INFINITY) };
-    match target {
-        Target::Frequency(_) => method.bounds.push(Bound { coordinate, min: min.max(0.5), max: max.min(2.0) }),
-        Target::Energy(_) => method.bounds[0] = Bound { coordinate, min: min.max(method.bounds[0].min), max },
-    }
-    method.max_points = APPROACH;
-    let Seed { x, p, direction, .. } = beginning(problem, settings, start, log)?;
-    let Branch { mut points, stop, .. } =
-        method.run_with_log(problem, &x, p, &direction, log, |_| ControlFlow::Continue(()))?;
-    match (stop, points.pop()) {
-        (StopReason::Bound { value: at, coordinate: c }, Some(last)) if c == coordinate && at == value => {
-            Ok((last.x, last.p))
-        }
-        (_, last) => {
-            let (omega, p) = last.map_or((start.omega, 0.0), |point| (problem.omega(&point.x), point.p));
-            let [from, to] = [start.omega / TAU, omega / TAU];
-            let (energy, word) = (p.exp(), start.word());
-            let reason = format!("the branch leads from {from:.4} to {to:.4} Hz and {energy:.4} {word} energies");
-            Err(target.not_found(reason))
-        }
-    }
 }
 
 /// Whether the backbone from `seed` leads to higher frequencies: as asked for, else as with one harmonic.
@@ -288,7 +256,7 @@ pub(super) fn heading(tracer: &mut Tracer, seed: &Seed) -> Result<bool, BranchEr
 }
 
 /// Unit vector along the coordinate that the target fixes.
-fn along(place: Place, start: &Grazing, target: Target, upward: bool) -> Vec<f64> {
+pub(super) fn along(place: Place, start: &Grazing, target: Target, upward: bool) -> Vec<f64> {
     let mut direction = vec![0.0; place.dim + 1];
     direction[target.coordinate(place, start).0] = if upward { 1.0 } else { -1.0 };
     direction

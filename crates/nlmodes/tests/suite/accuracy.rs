@@ -42,6 +42,7 @@ fn settings(error: f64, max_energy_ratio: f64) -> BranchSettings {
         accuracy: Some(Accuracy { error, max_harmonics: 60 }),
         max_energy_ratio: Some(max_energy_ratio),
         stability: StabilityRule::Never,
+        internal_resonance: ResonanceRule::Follow,
         ..BranchSettings::default()
     }
 }

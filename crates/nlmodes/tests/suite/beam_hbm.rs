@@ -4,7 +4,7 @@ use nlmodes::modal::EndReason;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
-use nlmodes::branches::{BranchSettings, ComputedBranch, Histories, compute_branch};
+use nlmodes::branches::{BranchSettings, ComputedBranch, Histories, ResonanceRule, compute_branch};
 use nlmodes::fem::{Beam, Direction, MassMatrix, Material, Mesh, Section, Stop, Support};
 use nlmodes::model::{Drop, MasslessContactModel, Side, StructuralModel};
 
@@ -33,7 +33,8 @@ fn ms_hbm(stiffness: Option<f64>) -> MasslessContactModel {
 }
 
 fn branch(model: MasslessContactModel, max_energy_ratio: f64) -> ComputedBranch {
-    let settings = BranchSettings { max_energy_ratio: Some(max_energy_ratio), ..BranchSettings::default() };
+    let (max_energy_ratio, internal_resonance) = (Some(max_energy_ratio), ResonanceRule::Follow);
+    let settings = BranchSettings { max_energy_ratio, internal_resonance, ..BranchSettings::default() };
     let computed = compute_branch(model, &settings, |_| ControlFlow::Continue(())).unwrap();
     assert_eq!(computed.branch.end.reasons, [EndReason::MaxEnergy], "{:?}", computed.branch.end);
     assert!(computed.branch.points.iter().all(|p| p.residual < 1e-10));

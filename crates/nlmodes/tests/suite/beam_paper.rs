@@ -6,12 +6,13 @@ use nlmodes::modal::{EndReason, Event};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
-use nlmodes::branches::{BranchSettings, ComputedBranch, compute_branch};
+use nlmodes::branches::{BranchSettings, ComputedBranch, ResonanceRule, compute_branch};
 use nlmodes::model::linear_modes;
 use support::{beam, massless_beam};
 
 fn branch(harmonics: usize, max_energy_ratio: f64) -> ComputedBranch {
-    let settings = BranchSettings { harmonics, max_energy_ratio: Some(max_energy_ratio), ..BranchSettings::default() };
+    let (max_energy_ratio, internal_resonance) = (Some(max_energy_ratio), ResonanceRule::Follow);
+    let settings = BranchSettings { harmonics, max_energy_ratio, internal_resonance, ..BranchSettings::default() };
     let computed = compute_branch(massless_beam(), &settings, |_| ControlFlow::Continue(())).unwrap();
     assert_eq!(computed.branch.end.reasons, [EndReason::MaxEnergy], "{:?}", computed.branch.end);
     assert!(computed.branch.points.iter().all(|p| p.residual < 1e-10));

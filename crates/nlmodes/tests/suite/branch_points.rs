@@ -26,6 +26,7 @@ fn settings(harmonics: usize) -> BranchSettings {
         harmonics,
         max_energy_ratio: Some(20.0),
         frequency_hz: Some([50.0, 70.0]),
+        internal_resonance: ResonanceRule::Follow,
         ..BranchSettings::default()
     }
 }
@@ -122,7 +123,7 @@ fn the_tip_of_the_loop_is_a_branch_point_with_every_mesh() {
 #[test]
 fn numbers_of_harmonics_that_hardly_differ_tell_the_same_story_of_a_coarse_rod() {
     let [a, b, c] = [13, 14, 15].map(|harmonics| {
-        let settings = BranchSettings { harmonics, max_energy_ratio: Some(15.0), ..BranchSettings::default() };
+        let settings = BranchSettings { max_energy_ratio: Some(15.0), frequency_hz: None, ..settings(harmonics) };
         let computed = compute_branch(support::rod(20, MassMatrix::Consistent), &settings, go_on_alone).unwrap();
         assert_eq!(computed.branch.end.reasons, [EndReason::MaxEnergy], "{harmonics}: {}", computed.branch.end.message);
         let mut events: Vec<Event> = computed.branch.points.iter().flat_map(|p| p.events.clone()).collect();

@@ -60,7 +60,9 @@ fn placed(stops: &[(f64, Side, f64)], length: f64, direction: Direction) -> Vec<
 }
 
 fn try_follow(model: MasslessContactModel, ratio: f64, harmonics: usize) -> Result<ComputedBranch, BranchError> {
-    let settings = BranchSettings { harmonics, max_energy_ratio: Some(ratio), ..BranchSettings::default() };
+    let internal_resonance = ResonanceRule::Follow;
+    let settings =
+        BranchSettings { harmonics, max_energy_ratio: Some(ratio), internal_resonance, ..BranchSettings::default() };
     compute_branch(model, &settings, |_| ControlFlow::Continue(()))
 }
 

@@ -6,7 +6,7 @@ use nlmodes::modal::{EndReason, Event};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
-use nlmodes::branches::{BranchSettings, BranchStart, ComputedBranch, compute_branch};
+use nlmodes::branches::{BranchSettings, BranchStart, ComputedBranch, ResonanceRule, compute_branch};
 use nlmodes::fem::MassMatrix;
 use nlmodes::model::MasslessContactModel;
 
@@ -18,7 +18,9 @@ fn model_of(elements: usize) -> MasslessContactModel {
 }
 
 fn branch(harmonics: usize, max_energy_ratio: Option<f64>, frequency_hz: Option<[f64; 2]>) -> ComputedBranch {
-    let settings = BranchSettings { harmonics, max_energy_ratio, frequency_hz, ..BranchSettings::default() };
+    let internal_resonance = ResonanceRule::Follow; // the loop of the paper
+    let settings =
+        BranchSettings { harmonics, max_energy_ratio, frequency_hz, internal_resonance, ..BranchSettings::default() };
     let computed = compute_branch(model_of(ELEMENTS), &settings, |_| ControlFlow::Continue(())).unwrap();
     assert!(computed.branch.end.complete, "{:?}", computed.branch.end);
     for (i, point) in computed.branch.points.iter().enumerate() {
