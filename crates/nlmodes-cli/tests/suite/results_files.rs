@@ -43,6 +43,7 @@ gap_m = 0.9e-3
 harmonics = 5
 [continuation]
 max_energy_ratio = 4.0
+internal_resonance = "follow"
 "#;
 
 /// Runs the scene with further keys and flags; returns its directory, which exists as long as the first value, and the
