@@ -1,6 +1,6 @@
 """The documentation as a site: `.ci/site` builds it with Sphinx into `target/site`.
 
-The pages are the Markdown files of the repository as they stand, with all that they link to. `docs/README.md` is the front page, and its
+The pages are the Markdown files of the repository, with all that they link to. `docs/README.md` is the front page, and its
 lists are the contents.
 """
 
@@ -19,6 +19,7 @@ include_patterns = [
     "benchmarks/results/*.md",
     "benchmarks/nsm/**.md",
     "crates/nlmodes-cli/matlab/README.md",
+    "crates/nlmodes-cli/packaging/README.md",
     "CHANGELOG.md",
     "CONTRIBUTING.md",
 ]
