@@ -4,6 +4,8 @@ refinement.
 Coefficients are (2H + 1, n): the mean, then cosine and sine of each harmonic.
 """
 
+import math
+
 import numpy as np
 
 
@@ -66,3 +68,24 @@ def turning(values, near):
     if not found:
         raise ArithmeticError("no fold was found")
     return min(found, key=lambda w: abs(w - near))
+
+
+def of_curve(points, residual, problem, case, system, heavy):
+    """What a case asks of a response curve: points (N, (2H + 1) n + 1) of coefficients and frequency, and the residual
+    with its derivative, by which points between those of the curve are refined."""
+    drive = int(np.flatnonzero(system.force)[0])
+    name = f"amplitude[{heavy[drive]}]"
+    coefficients = lambda x: x[:-1].reshape(-1, system.n)
+    between = lambda at: points[at[0]] + at[1] * (points[at[0] + 1] - points[at[0]])
+    if "fold" in case["branch"]:
+        return {"frequency": turning(points[:, -1], case["near"]["frequency"])}
+    if problem["kind"] == "phase-resonance":
+        lag = lambda x: coefficients(x)[1, drive]
+        largest = lambda at: amplitude(coefficients(points[at[0]]), drive)
+        x = refined(residual, lag, between(max(passages([lag(p) for p in points], 0.0), key=largest)))
+        return {"frequency": x[-1], name: amplitude(coefficients(x), drive)}
+    omega = case["at"]["frequency"]
+    found = [refined(residual, lambda x: x[-1] - omega, between(at)) for at in passages(points[:, -1], omega)]
+    off = lambda x: abs(math.log(amplitude(coefficients(x), drive) / case["near"][name]))
+    q = coefficients(min(found, key=off))
+    return {name: amplitude(q, drive)} | {f"impulse[{j}]": v for j, v in enumerate(impulses(q, omega, system.stops))}

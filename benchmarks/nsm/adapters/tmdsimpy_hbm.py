@@ -17,7 +17,7 @@ import sys
 
 import numpy as np
 from common import Clock, grazing, mode_number, problems, system_of, write
-from harmonic import amplitude, impulses, kinetic, passages, refined, turning
+from harmonic import impulses, kinetic, of_curve, passages, refined
 from nlvib import WINDOWS
 
 
@@ -91,7 +91,6 @@ def free(tmd, case, begin):
 def driven(tmd, problem, case, heavy):
     s, n = tmd.s, tmd.s.n
     begins, ends = WINDOWS[problem["id"]]
-    drive = int(np.flatnonzero(s.force)[0])
     load = np.zeros(tmd.size)
     load[n : 2 * n] = s.force
     residual = lambda x: tmd.vib.hbm_res(x, load, tmd.h, Nt=tmd.samples)
@@ -99,23 +98,7 @@ def driven(tmd, problem, case, heavy):
     x = np.zeros(tmd.size)
     x[n : 2 * n], x[2 * n : 3 * n] = q.real, -q.imag
     points = tmd.follow(residual, x, begins, ends, 0.03)
-    name = f"amplitude[{heavy[drive]}]"
-    if "fold" in case["branch"]:
-        return {"frequency": turning(points[:, -1], case["near"]["frequency"])}
-    if problem["kind"] == "phase-resonance":
-        lag = lambda x: tmd.coefficients(x)[1, drive]
-        k, share = max(
-            passages([lag(p) for p in points], 0.0), key=lambda at: amplitude(tmd.coefficients(points[at[0]]), drive)
-        )
-        x = refined(tmd.whole(residual), lag, points[k] + share * (points[k + 1] - points[k]))
-        return {"frequency": x[-1], name: amplitude(tmd.coefficients(x), drive)}
-    omega, found = case["at"]["frequency"], []
-    for k, share in passages(points[:, -1], omega):
-        x = refined(tmd.whole(residual), lambda x: x[-1] - omega, points[k] + share * (points[k + 1] - points[k]))
-        found.append(x)
-    x = min(found, key=lambda x: abs(math.log(amplitude(tmd.coefficients(x), drive) / case["near"][name])))
-    q = tmd.coefficients(x)
-    return {name: amplitude(q, drive)} | {f"impulse[{j}]": v for j, v in enumerate(impulses(q, omega, s.stops))}
+    return of_curve(points, tmd.whole(residual), problem, case, s, heavy)
 
 
 def answer(problem, case, words):
