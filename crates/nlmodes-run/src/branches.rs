@@ -243,7 +243,7 @@ fn rewritten(scene: &Scene, branches: &[ComputedBranch]) -> Result<(), Failure> 
     Ok(())
 }
 
-/// What is to be said where points have no derivatives.
+/// What is to be reported where points have no derivatives.
 fn without_gradients(points: usize) -> Option<String> {
     let are = if points == 1 {
         "1 point has no gradient: it is".to_owned()
@@ -353,7 +353,7 @@ fn write(
         let shown: Vec<&ModalBranch> = curves.iter().map(|curve| curve.branch()).chain(laid.branches()).collect();
         let scattered = laid.scattered(curves.len());
         figures::frequencies(directory, scene, (&shown, &scattered), &first.pictured(), &references)?;
-        figures::write(directory, scene, curves, &scene.title)?;
+        figures::write(directory, scene, (curves, 0), &scene.title)?;
         histories::write(directory, &references, &style_of(&scene.files))?;
     }
     if !scene.files.page {
@@ -372,6 +372,6 @@ struct About<'a> {
     period: Option<&'a Period>,
     open: Option<&'a OpenStructure>,
     state: Option<&'a StaticState>,
-    /// Why stress is not recovered, if only the size of the structure stands in the way.
+    /// Why stress is not recovered, if only the size of the structure prevents it.
     stress_left_out: Option<&'a str>,
 }

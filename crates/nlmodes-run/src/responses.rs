@@ -51,7 +51,7 @@ use overlaid::Beside;
 pub(crate) use picture::{effects, picture};
 pub(crate) use structure::{Reduced, base_force};
 use sweeps::Sweep;
-use viewed::viewed;
+use viewed::{pictured_of, viewed};
 
 /// What came out of the responses of a scene.
 #[derive(Debug)]
@@ -179,7 +179,7 @@ impl Following<'_> {
         if not_begun.is_some() && self.curves.iter().all(|computed| computed.motions.is_none()) {
             return Err(RunError::Ended);
         }
-        // The table of an earlier run stands until this one has come as far.
+        // The table of an earlier run is kept until this one has come as far.
         if !self.is_new() {
             self.write_points()?;
         }
@@ -266,7 +266,7 @@ impl Following<'_> {
     }
 }
 
-/// A period of the first curve, where figures or a page show it.
+/// A period of the curve that is pictured, where figures or a page show it.
 fn period(
     scene: &Scene,
     model: &Model,
@@ -276,7 +276,8 @@ fn period(
     let solids = stress.and_then(Stress::solids);
     let is_shown = scene.files.figures || scene.files.page;
     let shown = viewed(scene, model, curves);
-    shown.first().filter(|_| is_shown).map_or(Ok(None), |first| Period::of(model.reduction.as_ref(), first, solids))
+    let pictured = shown.get(pictured_of(&shown)).filter(|_| is_shown);
+    pictured.map_or(Ok(None), |curve| Period::of(model.reduction.as_ref(), curve, solids))
 }
 
 /// Most detached curves that are followed.
@@ -303,17 +304,18 @@ fn files(
     }
     let said = (certificate, levels);
     summary::write(directory, (scene, model), (curves, sweeps), said, period, began)?;
-    let Some(first) = each.first().filter(|_| scene.files.figures || scene.files.page) else { return Ok(()) };
+    let pictured = pictured_of(&shown);
+    let Some(curve) = each.get(pictured).filter(|_| scene.files.figures || scene.files.page) else { return Ok(()) };
     let (figures, references) =
-        (figures::all(scene, model, (curves, laid), sweeps)?, histories::own_references(*first)?);
+        (figures::all(scene, model, (curves, laid), sweeps)?, histories::own_references(*curve)?);
     if scene.files.figures {
         let style = style_of(&scene.files);
         figures.iter().try_for_each(|(name, _, figure)| figure.styled(&style).write(directory.join(name)))?;
         let title = match each.len() {
             1 => scene.title.clone(),
-            _ => format!("{}: {}", scene.title, first.branch().label),
+            _ => format!("{}: {}", scene.title, curve.branch().label),
         };
-        curve::figures::write(directory, scene, &each, &title)?;
+        curve::figures::write(directory, scene, (&each, pictured), &title)?;
         histories::write(directory, &references, &style)?;
     }
     if !scene.files.page {

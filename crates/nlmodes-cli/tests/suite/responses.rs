@@ -140,6 +140,19 @@ max_energy_ratio = 10.0
     Ok(())
 }
 
+/// Pictures and histories are those of the level with the largest contact force, not of a first one without contact.
+#[test]
+fn the_level_with_the_largest_contact_force_is_pictured() -> Outcome {
+    let folder = tempdir()?;
+    let response = "[[response]]\nkind = \"frequency\"\nfrequency_hz = [0.3, 0.6]\nlevels_n = [0.001, 0.2]\n";
+    run(folder.path(), &(ROD.replace("harmonics = 20", "harmonics = 5") + response), &[])?;
+    for name in ["contacts.svg", "history_P1.svg"] {
+        assert!(folder.path().join("out").join(name).exists(), "{name}");
+    }
+    assert!(fs::read_to_string(folder.path().join("out/contacts.svg"))?.contains("0.2 N"));
+    Ok(())
+}
+
 #[test]
 fn a_scene_on_one_response_is_the_same_with_one_bracket_or_two() -> Outcome {
     let mut tables = Vec::new();

@@ -127,13 +127,15 @@ pub const FILES: [FileMeaning; 29] = [
         name: "settled.json",
         meaning: "From `nlmodes-cli settle`: `kind`, what the motion of a point of a response becomes, disturbed along \
             the vector of its largest multiplier (`periodic` with `periods` of the load in one of the motion, \
-            `two-lines` with both `frequencies_hz`, `irregular` with the largest values and their spread, `other` with where it \
+            `two-lines` with both `frequencies_hz`, `irregular` with the largest values and their spread, `other` \
+            with where it \
             went), the disturbance, the time that was integrated, and the multipliers",
         columns: &[],
     },
     FileMeaning {
         name: "follow.csv",
-        meaning: "Of `nlmodes-cli follow`: folds, first touches or a mode at an energy over a parameter, a row a point; \
+        meaning: "Of `nlmodes-cli follow`: folds, first touches or a mode at an energy over a parameter, a row a \
+        point; \
             `follow.json` has the key, and why each curve ends, `follow_….svg` are its figures",
         columns: &[FollowRow::COLUMNS],
     },
@@ -143,7 +145,7 @@ pub const FILES: [FileMeaning; 29] = [
             and by how much half as many change the frequency), `contacts` of a structure from files (nodes, normal, \
             gap of each number), `rest` of a structure under static loads or before stops that press (gap of each \
             stop while all are open, whether it is closed at rest, clearance, force), `stress_left_out` (why there is \
-            no stress, where only the size of a structure stands in the way), `motion` (the point that `motion.pvd` \
+            no stress, where only the size of a structure prevents it), `motion` (the point that `motion.pvd` \
             shows), events, internal resonances, stability, why the branch ended, times; of responses the same of \
             each curve; under `errors` the estimated error of each number with its largest source and \
             what makes it smaller, under `certificate` what was compared",
@@ -159,15 +161,18 @@ pub const FILES: [FileMeaning; 29] = [
         meaning: "Figures, also `frequency_amplitude.svg`, `contacts.svg`, `participation.svg`, `motion_….svg`, \
             with `[[sensitivity]]` `gradients_….svg`, `history_P….svg`; of responses `responses.svg` and others \
             instead of the first two, of motions in time `envelope.svg` and `spectrum.svg`, and motions, contacts \
-            and histories of the first curve, up to its largest contact force; left out with `output.figures = false`",
+            and histories of the curve of the first response with the largest contact force, up to that; left out \
+            with `output.figures = false`",
         columns: &[],
     },
     FileMeaning {
         name: "motion.pvd",
         meaning: "For ParaView, of a structure from files whose mesh is known: one period with frames `motion_….vtu` \
-            (24 equidistant ones, and those where each contact begins, is largest and ends), number of the node, displacement in m (NaN where it depends on other nodes), contact_force in N, gap in m, \
+            (24 equidistant ones, and those where each contact begins, is largest and ends), number of the node, \
+            displacement in m (NaN where it depends on other nodes), contact_force in N, gap in m, \
             and where contacts cover faces of the mesh contact_pressure in Pa (with nodes in the middle of edges it is \
-            larger there than at corners, as the forces of nodes are); where stress is recovered, stress, von_mises and \
+            larger there than at corners, as the forces of nodes are); where stress is recovered, stress, von_mises \
+            and \
             principal_stress in Pa",
         columns: &[],
     },

@@ -56,6 +56,7 @@ pub fn write(
     }
     let tables = methods.tables().chain(laid.tables()).chain(all.iter().filter_map(|one| beyond_accuracy(one)));
     let content = Content {
+        pictured: 0,
         title: &scene.title,
         held: held_ends(scene, &first.branch),
         lines: vec![format!("{}; {}", first.branch.label, method.name)],

@@ -13,11 +13,16 @@ use super::{Curve, gradients, stops};
 use crate::Failure;
 use crate::style::style_of;
 
-/// Writes what the contacts of the first curve do over frequency, the participation of linear modes in all, and
-/// pictures of the motion of the first: `contacts.svg`, `participation.svg`, `motion_1.svg` …; `title` stands above
-/// what is of the first.
-pub fn write(directory: &Path, scene: &Scene, curves: &[&dyn Curve], title: &str) -> Result<(), Failure> {
-    let Some(curve) = curves.first().copied() else { return Ok(()) };
+/// Writes what the contacts of the curve number `pictured` do over frequency, the participation of linear modes in all,
+/// and pictures of the motion of that curve: `contacts.svg`, `participation.svg`, `motion_1.svg` …; `title` is above
+/// what is of that curve.
+pub fn write(
+    directory: &Path,
+    scene: &Scene,
+    (curves, pictured): (&[&dyn Curve], usize),
+    title: &str,
+) -> Result<(), Failure> {
+    let Some(curve) = curves.get(pictured).copied() else { return Ok(()) };
     let (branch, style) = (curve.branch(), style_of(&scene.files));
     if let Some(contacts) = drawn(ContactFigure::new(branch, &stops::names(curve)).title(title).render())? {
         contacts.styled(&style).write(directory.join("contacts.svg"))?;

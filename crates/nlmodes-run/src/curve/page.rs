@@ -34,9 +34,9 @@ pub struct Content<'a> {
     pub title: &'a str,
     /// Ends of the structure that do not move in the direction of the first contact.
     pub held: Vec<f64>,
-    /// What is told first.
+    /// What is reported first.
     pub lines: Vec<String>,
-    /// What is told after that of the verification reports.
+    /// What is reported after that of the verification reports.
     pub further_lines: Vec<String>,
     /// Warnings before those of the verification reports.
     pub warnings: Vec<String>,
@@ -50,15 +50,16 @@ pub struct Content<'a> {
     pub laid: Vec<&'a ModalBranch>,
     /// Numbers of those among all curves that are points without a line.
     pub scattered: Vec<usize>,
-    /// Points with time histories, of the first curve.
+    /// Number of the curve whose motion is pictured, and of which these are: the first by default.
+    pub pictured: usize,
+    /// Points with time histories.
     pub references: &'a [Reference],
     /// The motion of a structure from files.
     pub period: Option<&'a Period>,
 }
 
 /// Writes the page about these curves, or about points that are only laid over each other, with what `further` adds;
-/// its points with a name are those of the pictures of the first curve, and the references, whose time histories it
-/// shows.
+/// its points with a name are those of the pictures of one curve, and the references, whose time histories it shows.
 pub fn write(
     directory: &Path,
     curves: &[&dyn Curve],
@@ -104,14 +105,14 @@ pub fn write(
     if let Some(wireframe) = content.period.and_then(Period::wireframe) {
         report = report.wireframe(wireframe.clone());
     }
-    if let Some(first) = curves.first() {
-        report = report.clamped_at(&content.held).stops(&first.stops());
-        for (k, point) in first.pictured().into_iter().enumerate() {
-            report = report.mark(0, point, (k + 1).to_string());
+    if let Some(pictured) = curves.get(content.pictured) {
+        report = report.clamped_at(&content.held).stops(&pictured.stops());
+        for (k, point) in pictured.pictured().into_iter().enumerate() {
+            report = report.mark(content.pictured, point, (k + 1).to_string());
         }
     }
     for reference in content.references {
-        report = report.mark(0, reference.point, &reference.name);
+        report = report.mark(content.pictured, reference.point, &reference.name);
         for curves in reference.curves() {
             report = report.histories_at(curves.title, &curves.histories, &curves.stops);
         }

@@ -52,7 +52,7 @@ impl ComputedResponse {
         self.branch.end.complete
     }
 
-    /// What is told of it.
+    /// What is reported of it.
     pub fn said(&self) -> Result<(usize, &str), &str> {
         let message = self.branch.end.message.as_str();
         if self.motions.is_some() { Ok((self.branch.points.len(), message)) } else { Err(message) }
@@ -208,7 +208,7 @@ pub fn follow(
     })
 }
 
-/// What is to be said of forces that were computed and do not hold the mode.
+/// What is to be reported of forces that were computed and do not hold the mode.
 fn not_held(forces: &[Appropriation]) -> String {
     let count = |is: &dyn Fn(&Appropriation) -> bool| forces.iter().filter(|found| is(found)).count();
     let lost = count(&|found| found.motion.is_none());
@@ -216,7 +216,8 @@ fn not_held(forces: &[Appropriation]) -> String {
     let mut said = String::new();
     if lost > 0 {
         said += &format!(
-            "; of {lost} of its points no motion next to the mode was found under the forces, and none stands there"
+            "; of {lost} of its points no motion next to the mode was found under the forces, and the columns are \
+            empty there"
         );
     }
     if unstable > 0 {
@@ -309,11 +310,11 @@ fn curve(
     Ok(vec![Followed { curve: curve?, further: None, is_cut: false }])
 }
 
-/// A curve, and what its name says more where it stands behind the one that was asked for.
+/// A curve, and what its name says more where it follows the one that was asked for.
 struct Followed {
     curve: ResponseCurve,
     further: Option<String>,
-    /// Whether there are as many curves with it as may be: other arms may be left.
+    /// Whether there are as many curves with it as may be: other half-branches may be left.
     is_cut: bool,
 }
 
@@ -379,7 +380,7 @@ pub fn curves_at(
     Ok((settings, found.into_iter().map(|followed| followed.curve).collect()))
 }
 
-/// What is to be said of a curve beside its end: branch points whose other arms are not there.
+/// What is to be reported of a curve beside its end: branch points whose other half-branches are not there.
 fn not_followed(curve: &ResponseCurve, job: &Job<'_>, scene: &Scene) -> String {
     let n = curve.points.iter().filter(|point| point.events.contains(&Event::BranchPoint)).count();
     let is_tree = job.wanted.kind == ResponseKind::Frequency && job.from.is_none();

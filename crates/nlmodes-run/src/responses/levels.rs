@@ -1,4 +1,4 @@
-//! What a sweep over the frequency meets at each level: stable stretches, jumps, losses of stability, the peak.
+//! What a sweep over the frequency meets at each level: stable segments, jumps, losses of stability, the peak.
 
 use nlmodes::modal::{Event, ModalPoint};
 use nlmodes::report::{DataTable, hertz};
@@ -17,11 +17,11 @@ pub struct Level {
     response: usize,
     /// The level, in the unit of the load.
     level: f64,
-    /// Lowest and highest frequency of each stable stretch, Hz, in the order of the curves.
+    /// Lowest and highest frequency of each stable segment, Hz, in the order of the curves.
     stable: Vec<[f64; 2]>,
-    /// Where a sweep leaves a stable stretch at a fold, in the order of the frequencies.
+    /// Where a sweep leaves a stable segment at a fold, in the order of the frequencies.
     jumps: Vec<Jump>,
-    /// Where a sweep leaves a stable stretch without a fold, in the order of the frequencies.
+    /// Where a sweep leaves a stable segment without a fold, in the order of the frequencies.
     losses: Vec<Loss>,
     /// The largest amplitude.
     peak: Option<Peak>,
@@ -41,10 +41,14 @@ struct Jump {
     swept_frequency_hz: Option<f64>,
 }
 
-/// Where the periodic motion of a stretch loses its stability without a fold.
+/// Where the periodic motion of a segment loses its stability without a fold.
 #[derive(Debug, Serialize)]
 struct Loss {
+    /// That of the event, or of the last stable point.
     frequency_hz: f64,
+    /// That of the first unstable point; none where the event is located.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    before_hz: Option<f64>,
     /// Direction of the sweep.
     direction: Direction,
     /// What happens there, by the name of the event; none where nothing else was found.
@@ -64,6 +68,9 @@ struct Amplitudes {
     before: f64,
     /// That of the other stable motion at this frequency; none where there are several, or none was found.
     after: Option<f64>,
+    /// How many other stable motions were found at this frequency.
+    #[serde(skip)]
+    others: usize,
 }
 
 /// The point with the largest amplitude.
@@ -77,21 +84,30 @@ struct Peak {
     stable: Option<bool>,
 }
 
-/// Stable points of a curve one after the other, with a fold at an end where there is one.
-struct Stretch<'a> {
+/// Stable points of a curve one after the other, with the fold or the loss of stability at each end.
+struct Segment<'a> {
     of: &'a ComputedResponse,
     /// First and last point.
     ends: [usize; 2],
     folds: [Option<usize>; 2],
-    /// The unstable point next to each end without a fold.
-    lost: [Option<usize>; 2],
+    /// Beyond each end without a fold the event by which stability is lost, and the first unstable point.
+    lost: [Option<Lost>; 2],
 }
 
-/// Points behind a stable one among which the fold that ends its stretch stands, and points of unknown stability that
-/// end no stretch.
+/// How stability is lost beyond an end of a segment.
+#[derive(Clone, Copy)]
+struct Lost {
+    /// The located point of the event, if there is one.
+    event: Option<usize>,
+    /// The first unstable point.
+    unstable: usize,
+}
+
+/// Points beyond a stable one within which the fold that ends its segment is looked for at least, and points of unknown
+/// stability that end no segment.
 const NEAR: usize = 2;
 
-/// Shortest stretch that counts, over its frequency.
+/// Shortest segment that counts, over its frequency.
 const SHORTEST: f64 = 1e-6;
 
 /// Levels of all curves over the frequency; none where stability was not computed.
@@ -120,7 +136,7 @@ pub fn table(levels: &[Level], unit: &str) -> DataTable {
     let level = format!("level, {unit}");
     let head =
         [level.as_str(), "largest amplitude", "at, Hz", "largest contact force there, N", "stable, Hz", "a sweep"];
-    let mut table = DataTable::new("Levels: peaks, stable stretches, jumps", &head);
+    let mut table = DataTable::new("Levels: peaks, stable ranges, jumps", &head);
     for level in levels {
         let peak = level.peak.as_ref();
         let of = |what: &dyn Fn(&Peak) -> String| peak.map_or_else(|| "–".to_owned(), what);
@@ -158,7 +174,7 @@ fn within(error: Option<f64>) -> String {
 impl Jump {
     /// Where a sweep, from the frequency of the jump on, is first halfway to the other motion, Hz.
     fn in_sweep(&self, sweep: &Sweep) -> Option<f64> {
-        let Amplitudes { before, after } = self.amplitude_m;
+        let Amplitudes { before, after, .. } = self.amplitude_m;
         let middle = 0.5 * (before + after?);
         let is_behind = |hz: f64| if sweep.up { hz >= self.frequency_hz } else { hz <= self.frequency_hz };
         let is_over = |amplitude: f64| if before > middle { amplitude < middle } else { amplitude > middle };
@@ -171,21 +187,21 @@ impl Jump {
 
 impl Level {
     fn of(response: usize, level: f64, curves: &[&ComputedResponse]) -> Self {
-        let mut stretches: Vec<Stretch<'_>> = curves.iter().flat_map(|computed| Stretch::all(computed)).collect();
+        let mut segments: Vec<Segment<'_>> = curves.iter().flat_map(|computed| Segment::all(computed)).collect();
         // Next to a fold at which a contact grazes, one may be that no sweep stays on.
-        stretches.retain(|stretch| {
-            let [low, high] = stretch.range();
+        segments.retain(|segment| {
+            let [low, high] = segment.range();
             high - low > SHORTEST * high
         });
-        let stable = stretches.iter().map(Stretch::range).collect();
-        let found: Vec<Jump> = stretches.iter().flat_map(|from| from.jumps(&stretches)).collect();
+        let stable = segments.iter().map(Segment::range).collect();
+        let found: Vec<Jump> = segments.iter().flat_map(|from| from.jumps(&segments)).collect();
         // A fold with stable motions on both sides, as at a kink, is passed without a jump.
         let is_passed = |jump: &Jump| found.iter().filter(|other| other.frequency_hz == jump.frequency_hz).count() > 1;
         let passed: Vec<bool> = found.iter().map(is_passed).collect();
         let kept = found.into_iter().zip(passed).filter(|(_, passed)| !passed);
         let mut jumps: Vec<Jump> = kept.map(|(jump, _)| jump).collect();
         jumps.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
-        let mut losses: Vec<Loss> = stretches.iter().flat_map(Stretch::losses).collect();
+        let mut losses: Vec<Loss> = segments.iter().flat_map(Segment::losses).collect();
         losses.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
         let each = curves.iter().flat_map(|of| (0..of.branch.points.len()).map(move |k| (*of, k)));
         let size_of = |(of, k): &(&ComputedResponse, usize)| size(&of.branch.points[*k]);
@@ -203,23 +219,26 @@ impl Level {
         Self { response, level, stable, jumps, losses, peak }
     }
 
-    /// The level in a sentence: its peak, the stable stretches, and what a sweep meets. `unit` is that of the load.
+    /// The level in some lines: its peak, the stable ranges, and what a sweep meets. `unit` is that of the load.
     pub fn text(&self, unit: &str) -> String {
-        let mut said = Vec::new();
+        let mut lines = Vec::new();
         if let Some(peak) = &self.peak {
             let force = match peak.peak_contact_force_n {
-                force if force > 0.0 => format!(", {} N", significant(force, 4)),
+                force if force > 0.0 => format!(", contact force there up to {} N", significant(force, 4)),
                 _ => String::new(),
             };
             let stable = if peak.stable == Some(false) { ", unstable" } else { "" };
             let (amplitude, error) = (length(peak.amplitude_m), within(peak.amplitude_error));
-            said.push(format!("peak {amplitude}{error} at {} Hz{force}{stable}", short(peak.frequency_hz)));
+            lines.push(format!(
+                "largest amplitude {amplitude}{error} at {} Hz{force}{stable}",
+                short(peak.frequency_hz)
+            ));
         }
         if !self.stable.is_empty() {
-            said.push(format!("stable from {}", self.stable_text()));
+            lines.push(format!("stable from {}", self.stable_text()));
         }
-        said.extend(self.sweep());
-        format!("{} {unit}: {}", short(self.level), said.join("; "))
+        lines.extend(self.sweep());
+        format!("{} {unit}: {}", short(self.level), lines.join("\n    "))
     }
 
     /// `39 to 41.2 and 43.5 to 50 Hz`.
@@ -235,7 +254,11 @@ impl Level {
     /// What a sweep meets.
     fn sweep(&self) -> Vec<String> {
         let jump = |jump: &Jump| {
-            let after = jump.amplitude_m.after.map_or_else(String::new, |after| format!(" to {}", length(after)));
+            let after = match jump.amplitude_m {
+                Amplitudes { after: Some(after), .. } => format!(" to {}", length(after)),
+                Amplitudes { others: 0, .. } => "; no other stable motion is known there".to_owned(),
+                Amplitudes { others, .. } => format!("; {others} other stable motions are known there"),
+            };
             let (at, error) = (short(jump.frequency_hz), within(jump.frequency_error));
             format!(
                 "a sweep {} jumps at {at} Hz{error} from {}{after}",
@@ -245,7 +268,11 @@ impl Level {
         };
         let loss = |loss: &Loss| {
             let event = loss.event.map_or_else(String::new, |event| format!(" ({event})"));
-            format!("a sweep {} loses its stability at {} Hz{event}", loss.direction, short(loss.frequency_hz))
+            let at = match loss.before_hz {
+                None => format!("at {} Hz", short(loss.frequency_hz)),
+                Some(before) => format!("between {} and {} Hz", short(loss.frequency_hz), short(before)),
+            };
+            format!("a sweep {} loses its stability {at}{event}", loss.direction)
         };
         self.jumps.iter().map(jump).chain(self.losses.iter().map(loss)).collect()
     }
@@ -257,7 +284,7 @@ impl std::fmt::Display for Direction {
     }
 }
 
-impl<'a> Stretch<'a> {
+impl<'a> Segment<'a> {
     fn all(of: &'a ComputedResponse) -> Vec<Self> {
         let points = &of.branch.points;
         let known = |k: usize| points[k].stability.and_then(|stability| stability.stable);
@@ -275,14 +302,19 @@ impl<'a> Stretch<'a> {
             {
                 to = next;
             }
-            let before = (from.saturating_sub(NEAR)..=from).rev().find(is_fold);
-            let behind = (to..points.len().min(to + 1 + NEAR)).find(is_fold);
-            let unstable = |k: &usize| known(*k) == Some(false);
-            let lost = [
-                (from.saturating_sub(NEAR)..from).rev().find(unstable).filter(|_| before.is_none()),
-                (to + 1..points.len().min(to + 1 + NEAR)).find(unstable).filter(|_| behind.is_none()),
-            ];
-            found.push(Self { of, ends: [from, to], folds: [before, behind], lost });
+            let below = beyond(points, from, (0..from).rev());
+            let above = beyond(points, to, to + 1..points.len());
+            let folds = [&below, &above].map(|beyond| beyond.iter().copied().find(is_fold));
+            let lost = [&below, &above].map(|beyond| {
+                let unstable = beyond.iter().position(|k| known(*k) == Some(false))?;
+                let event = beyond[..=unstable].iter().copied().find(|k| points[*k].events.iter().any(is_loss));
+                Some(Lost { event, unstable: beyond[unstable] })
+            });
+            // The fold of a motion with few harmonics may lie a little before the loss of stability of the exact one.
+            let inside = [(from..=to).take(NEAR + 1).find(is_fold), (from..=to).rev().take(NEAR + 1).find(is_fold)];
+            let folds = [0, 1].map(|end| folds[end].or(inside[end].filter(|_| lost[end].is_some())));
+            let lost = [0, 1].map(|end| lost[end].filter(|_| folds[end].is_none()));
+            found.push(Self { of, ends: [from, to], folds, lost });
             from = to + 1;
         }
         found
@@ -298,8 +330,9 @@ impl<'a> Stretch<'a> {
 
     /// Lowest and highest frequency, Hz.
     fn range(&self) -> [f64; 2] {
-        let folds = self.folds.into_iter().flatten().map(|k| self.at(k));
-        let all = self.points().iter().chain(folds).map(frequency);
+        let events = self.lost.into_iter().flatten().filter_map(|lost| lost.event);
+        let ends = self.folds.into_iter().flatten().chain(events).map(|k| self.at(k));
+        let all = self.points().iter().chain(ends).map(frequency);
         all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], hz| [low.min(hz), high.max(hz)])
     }
 
@@ -312,17 +345,17 @@ impl<'a> Stretch<'a> {
     }
 
     /// The jumps from its ends.
-    fn jumps(&self, all: &[Stretch<'_>]) -> Vec<Jump> {
+    fn jumps(&self, all: &[Segment<'_>]) -> Vec<Jump> {
         let jump = |(end, fold): (usize, usize)| {
             let (of, at) = (self.at(fold), frequency(self.at(fold)));
             let others = all.iter().filter(|other| !std::ptr::eq(*other, self));
             let after: Vec<f64> = others.filter_map(|other| other.amplitude(at)).collect();
-            let after = if let [only] = after[..] { Some(only) } else { None };
+            let (others, after) = (after.len(), if let [only] = after[..] { Some(only) } else { None });
             Jump {
                 frequency_hz: at,
                 frequency_error: change(self.of, fold, frequency),
                 direction: self.direction(at, end),
-                amplitude_m: Amplitudes { before: size(of), after },
+                amplitude_m: Amplitudes { before: size(of), after, others },
                 swept_frequency_hz: None,
             }
         };
@@ -331,13 +364,18 @@ impl<'a> Stretch<'a> {
 
     /// The losses of stability at its ends.
     fn losses(&self) -> Vec<Loss> {
-        let loss = |(end, unstable): (usize, usize)| {
+        let loss = |(end, Lost { event, unstable }): (usize, Lost)| {
             let last = self.ends[end];
             let between = if end == 0 { unstable..=last } else { last..=unstable };
             let events = between.flat_map(|k| &self.at(k).events);
-            let event = events.filter(|event| named(event)).max_by_key(|event| is_loss(event));
-            let at = frequency(self.at(last));
-            Loss { frequency_hz: at, direction: self.direction(at, end), event: event.map(|event| event.name()) }
+            let name = events.filter(|event| named(event)).max_by_key(|event| is_loss(event));
+            let at = frequency(self.at(event.unwrap_or(last)));
+            Loss {
+                frequency_hz: at,
+                before_hz: event.is_none().then(|| frequency(self.at(unstable))),
+                direction: self.direction(frequency(self.at(event.unwrap_or(unstable))), end),
+                event: name.map(|event| event.name()),
+            }
         };
         self.lost.into_iter().enumerate().filter_map(|(end, lost)| Some((end, lost?))).map(loss).collect()
     }
@@ -350,6 +388,22 @@ impl<'a> Stretch<'a> {
             is_between.then(|| a.1 + (hz - a.0) / (b.0 - a.0) * (b.1 - a.1))
         })
     }
+}
+
+/// The points beyond an end of a segment among which what ends it is looked for, the end itself first: some next to it,
+/// and those whose largest multiplier is too close to the unit circle to decide, as beside a fold, up to the first that
+/// is decided.
+fn beyond(points: &[ModalPoint], end: usize, outward: impl Iterator<Item = usize>) -> Vec<usize> {
+    let is_uncertain = |k: usize| points[k].stability.is_some_and(|stability| stability.stable.is_none());
+    let (mut found, mut is_decided) = (vec![end], false);
+    for k in outward {
+        found.push(k);
+        is_decided |= !is_uncertain(k);
+        if found.len() > NEAR && is_decided {
+            break;
+        }
+    }
+    found
 }
 
 /// Whether an event tells why stability is lost.

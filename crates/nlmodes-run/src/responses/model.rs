@@ -218,7 +218,7 @@ impl Model {
         }
     }
 
-    /// Why stress is not recovered, if only the size of the structure stands in the way.
+    /// Why stress is not recovered, if only the size of the structure prevents it.
     pub fn stress_left_out(&self, scene: &Scene) -> Option<String> {
         Stress::left_out(scene, self.reduction.as_ref(), self.response.load_shapes().len())
     }
@@ -314,7 +314,7 @@ fn check_mode(file: &SceneFile, response: &ResponseModel, open: Option<&OpenStru
     Err(file.error_at(&key, &chain(&error), &expected, &[]).into())
 }
 
-/// Of each contact, the side on which the other one stands.
+/// Of each contact, the side on which the other one is.
 fn sides(scene: &Scene, contacts: &[Weights]) -> Vec<f64> {
     let of = |(i, weights): (usize, &Weights)| match scene.contacts.get(i).map(|contact| contact.side) {
         Some(Side::Positive) => 1.0,

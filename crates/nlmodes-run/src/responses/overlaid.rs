@@ -89,7 +89,7 @@ fn nearest(point: &ModalPoint, curves: &[&[ModalPoint]]) -> Option<Sizes> {
     crossings.filter(|found| off(found).is_finite()).min_by(|a, b| off(a).total_cmp(&off(b)))
 }
 
-/// What is to be said of points that have no counterpart; nothing where all have one, or where none can have one.
+/// What is to be reported of points that have no counterpart; nothing where all have one, or where none can have one.
 pub fn left_out(laid: &LaidCurve, found: &[Beside]) -> Option<String> {
     let (all, left) = (laid.branch.points.len(), laid.branch.points.len() - found.len());
     if left == 0 || !matches!(laid.kind, LineKind::Response | LineKind::Measured) {

@@ -12,7 +12,7 @@ use super::curves::ComputedResponse;
 use super::figures::{self, Named, kind};
 use super::levels::{self, Level};
 use super::model::Model;
-use super::viewed::Viewed;
+use super::viewed::{Viewed, pictured_of};
 use crate::Failure;
 use crate::certificate::Certificate;
 use crate::curve::Curve;
@@ -58,6 +58,7 @@ pub fn write(
         certified: vec![Certified { certificate: shown.certificate, name: None, curve: None }],
         tables: vec![levels::table(shown.levels, model.unit), resonances(model, all)],
         documents: vec![("Scene as read, in SI units".to_owned(), serde_json::to_value(scene)?)],
+        pictured: pictured_of(curves),
         references: shown.references,
         period: shown.period,
         ..Content::default()
@@ -71,7 +72,7 @@ pub fn write(
         }
         for (k, (name, title, figure)) in figures.into_iter().enumerate() {
             report = match (k, axes(name)) {
-                // What is laid over stands in the figure as it was written.
+                // What is laid over is in the figure as it was written.
                 (0, Some(axes)) if is_overlaid => {
                     report.main_figure(title, figure.clone(), axes).leading_figure(title, figure)
                 }

@@ -30,7 +30,8 @@ pub fn picture(file: &SceneFile, watch: &Watch, structures: &Structures) -> Resu
 }
 
 /// Peak, largest contact force and folds of the first response at each of its levels, with what 1 % of each parameter
-/// of the scene does to them, in per cent: `[{ level, quantities: [{ name, value, unit, effects: { key: percent } }] }]`.
+/// of the scene does to them, in per cent:
+/// `[{ level, quantities: [{ name, value, unit, effects: { key: percent } }] }]`.
 ///
 /// # Errors
 /// As [`picture`].
@@ -42,7 +43,7 @@ pub fn effects(file: &SceneFile, watch: &Watch, structures: &Structures) -> Resu
     Ok(Value::Array(levels.iter().map(of).collect()).to_string())
 }
 
-/// Most folds that are told.
+/// Most folds that are reported.
 const FOLDS: usize = 4;
 
 fn quantities(branch: &ModalBranch) -> Vec<Value> {

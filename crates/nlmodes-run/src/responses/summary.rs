@@ -13,6 +13,7 @@ use super::levels::Level;
 use super::model::Model;
 use super::sweeps::Sweep;
 use super::tables::points;
+use super::viewed::{Viewed, pictured_of, viewed};
 use crate::Failure;
 use crate::certificate::Certificate;
 use crate::curve::space::Period;
@@ -31,15 +32,16 @@ pub fn write(
         model.open_modes().omega_squared().iter().map(|w| nlmodes::report::hertz(w.max(0.0).sqrt())).collect();
     let structure = model.response().structure();
     let ratio = |k: usize| structure.damping().entry(k, k) / (2.0 * structure.omega_squared()[k].max(0.0).sqrt());
-    let mut first = 0;
-    let mut all = Vec::new();
-    for computed in curves {
+    let (mut first, mut all, mut motion) = (0, Vec::new(), None);
+    let shown = viewed(scene, model, curves);
+    let pictured = shown.get(pictured_of(&shown)).map(Viewed::number);
+    for (number, computed) in curves.iter().enumerate() {
         all.push(curve(computed, first));
+        let period = period.filter(|_| pictured == Some(number));
+        motion = motion.or(period.and_then(|period| At::of(&computed.branch.points, first, period.point)));
         first += computed.branch.points.len();
     }
     let open = model.reduction.as_ref();
-    let shown = curves.iter().find(|computed| !computed.branch.points.is_empty());
-    let motion = period.zip(shown).and_then(|(period, first)| At::of(&first.branch.points, 0, period.point));
     let content = json!({
         "program": "nlmodes-cli",
         "version": env!("CARGO_PKG_VERSION"),

@@ -25,7 +25,7 @@ const INSTANTS: usize = 16;
 /// Most amplitudes in the figure.
 const SHOWN: usize = 200;
 
-/// Stretches after which it is asked whether to go on.
+/// Intervals after which the observer is asked whether to go on.
 const ASKED: u32 = 4096;
 
 /// A level that was swept.

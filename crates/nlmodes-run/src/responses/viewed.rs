@@ -1,10 +1,11 @@
 //! A response as a curve of which files, figures and page are made.
 
+use std::cmp::Ordering;
 use std::f64::consts::TAU;
 
 use nlmodes::branches::way_points;
 use nlmodes::linalg::Mat;
-use nlmodes::modal::{ContactInstant, ModalBranch, Participation, TimeHistory};
+use nlmodes::modal::{ContactInstant, ModalBranch, ModalPoint, Participation, TimeHistory};
 use nlmodes::report::StopLine;
 use nlmodes::report::columns::{ResponseOf, ResponseRow};
 use nlmodes::response::{ContactPattern, ResponsePoint};
@@ -94,12 +95,26 @@ impl Viewed<'_> {
         Ok(all)
     }
 
-    /// The point with the largest contact force.
+    /// The point with the largest contact force, or with the largest amplitude if nothing is touched.
     fn hardest(&self) -> usize {
         let points = &self.computed.branch.points;
-        let force = |k: &usize| points[*k].peak_contact_force;
-        (0..points.len()).max_by(|a, b| force(a).total_cmp(&force(b))).unwrap_or(0)
+        (0..points.len()).max_by(|a, b| harder(&points[*a], &points[*b])).unwrap_or(0)
     }
+}
+
+/// Which of two motions has the larger contact force, or the larger amplitude if these are equal.
+fn harder(a: &ModalPoint, b: &ModalPoint) -> Ordering {
+    let forces = a.peak_contact_force.total_cmp(&b.peak_contact_force);
+    forces.then_with(|| a.fundamental.abs().total_cmp(&b.fundamental.abs()))
+}
+
+/// The curve of which pictures and time histories are made: of those of the first response, that with the largest
+/// contact force; by its place among these.
+pub fn pictured_of(curves: &[Viewed<'_>]) -> usize {
+    let hardest = |place: usize| &curves[place].computed.branch.points[curves[place].hardest()];
+    let of_first = (0..curves.len()).filter(|place| curves[*place].computed.response == 0);
+    // The first of several that are equal.
+    of_first.rev().max_by(|a, b| harder(hardest(*a), hardest(*b))).unwrap_or(0)
 }
 
 impl Curve for Viewed<'_> {
