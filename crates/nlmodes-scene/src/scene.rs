@@ -217,10 +217,31 @@ impl Structure {
         }
     }
 
+    /// Mass of the sections, kg, without added and point masses.
+    pub fn section_mass(&self) -> f64 {
+        self.along(|density, section, _| density * section.area())
+    }
+
+    /// Mass of all parts, kg.
+    pub fn total_mass(&self) -> f64 {
+        let points: f64 = self.mass_points.iter().map(|point| point.mass).sum();
+        self.along(|density, section, added| density * section.area() + added) + points
+    }
+
+    /// Integral along the axis of what density, section and added mass per length come to.
+    fn along(&self, per_length: impl Fn(f64, Section, f64) -> f64) -> f64 {
+        let (mut from, mut sum) = (0.0, 0.0);
+        for segment in &self.segments {
+            sum += per_length(segment.density, segment.section, segment.added_mass) * (segment.to - from);
+            from = segment.to;
+        }
+        sum + per_length(self.density, self.section, self.added_mass) * (self.length - from)
+    }
+
     /// The mesh.
     ///
     /// # Errors
-    /// [`FemError`] for elements that cannot be told apart.
+    /// [`FemError`] for elements that cannot be distinguished.
     pub fn mesh(&self) -> Result<Mesh, FemError> {
         let mesh = match &self.nodes {
             Some(nodes) => Mesh::of_nodes(nodes.clone())?,
@@ -232,7 +253,7 @@ impl Structure {
         }
     }
 
-    /// The same with each element halved, with its parts at the same places; none where they stand at nodes beside
+    /// The same with each element halved, with its parts at the same places; none where they are at nodes beside
     /// which the mesh is refined.
     pub fn with_twice_the_elements(&self) -> Option<Self> {
         let mut finer = Self { elements: 2 * self.elements, ..self.clone() };
@@ -300,6 +321,15 @@ pub enum Section {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         outer_fibre: Option<f64>,
     },
+}
+
+impl Section {
+    /// Area, m².
+    pub fn area(self) -> f64 {
+        match self {
+            Self::Rod { area } | Self::Beam { area, .. } => area,
+        }
+    }
 }
 
 /// A stop on one side of a node.

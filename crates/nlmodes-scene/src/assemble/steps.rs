@@ -8,7 +8,7 @@ use crate::scene;
 pub fn of_rod(structure: &scene::Structure, mesh: &Mesh) -> Result<Vec<Step<f64>>, FemError> {
     let step = |of: scene::Segment| {
         let material = Material::new(of.youngs_modulus, of.density)?;
-        Ok(Step { to_node: of.to_node, material, section: area(of.section), added_mass: of.added_mass })
+        Ok(Step { to_node: of.to_node, material, section: of.section.area(), added_mass: of.added_mass })
     };
     segments(structure, mesh).into_iter().map(step).collect()
 }
@@ -25,7 +25,7 @@ pub fn of_beam(structure: &scene::Structure, mesh: &Mesh) -> Result<Vec<Step<Sec
 /// Material and section of a beam; the section of a rod has no second moment and is refused.
 pub fn material_and_section(material: Material, section: scene::Section) -> Result<(Material, Section), FemError> {
     let scene::Section::Beam { area, second_moment, shear_factor, poissons_ratio, outer_fibre } = section else {
-        return Ok((material, Section::new(area(section), 0.0)?));
+        return Ok((material, Section::new(section.area(), 0.0)?));
     };
     let section = Section::new(area, second_moment)?.with_shear_factor(shear_factor)?;
     let section = outer_fibre.map_or(Ok(section), |distance| section.with_outer_fibre(distance))?;
@@ -57,10 +57,4 @@ fn segments(structure: &scene::Structure, mesh: &Mesh) -> Vec<scene::Segment> {
         });
     }
     all
-}
-
-fn area(section: scene::Section) -> f64 {
-    match section {
-        scene::Section::Rod { area } | scene::Section::Beam { area, .. } => area,
-    }
 }

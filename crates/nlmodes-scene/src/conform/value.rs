@@ -107,8 +107,8 @@ pub fn wrong_kind(path: &str, found: &DeValue<'_>, rule: Rule<'_>) -> Diagnostic
         (Kind::Array, DeValue::Table(_)) if is_tables(rule) => {
             diagnostic.help(format!("write the heading with two brackets: {}", heading(path)))
         }
-        (Kind::Table, _) => diagnostic.help(format!("its keys stand below a heading {}", heading(path))),
-        (Kind::Text, _) if !rule.choices().is_empty() => diagnostic.help("texts stand in quotes"),
+        (Kind::Table, _) => diagnostic.help(format!("its keys go below a heading {}", heading(path))),
+        (Kind::Text, _) if !rule.choices().is_empty() => diagnostic.help("texts are written in quotes"),
         _ => diagnostic,
     }
 }
@@ -149,7 +149,7 @@ fn listed(text: &str, rule: Rule<'_>) -> Option<String> {
 }
 
 fn in_brackets(path: &str, list: &str) -> String {
-    format!("several numbers stand in square brackets: {path}={list}, in a shell between quotation marks")
+    format!("several numbers are written in square brackets: {path}={list}, in a shell between quotation marks")
 }
 
 fn is_numbers(rule: Rule<'_>) -> bool {
@@ -201,7 +201,10 @@ pub fn missing(path: &str, rule: Rule<'_>) -> Diagnostic {
     };
     match (rule.description(), rule.kind()) {
         (Some(text), Kind::Table) => {
-            diagnostic.help(format!("add a heading {} and its keys below it: {}", heading(path), lower(text)))
+            let required: Vec<String> = rule.required().map(|key| format!("`{key}`")).collect();
+            let required =
+                if required.is_empty() { String::new() } else { format!(", at least {}", required.join(", ")) };
+            diagnostic.help(format!("add a heading {} and its keys below it{required}: {}", heading(path), lower(text)))
         }
         (Some(text), _) => diagnostic.help(format!("`{}` means: {}", last(path), lower(text))),
         (None, _) => diagnostic,

@@ -3,10 +3,10 @@
 use super::{Row, law, list, matrices, reduced, responses, row, springs, static_loads, transient};
 use crate::assemble::{OpenStructure, StaticState};
 use crate::number;
-use crate::rule::counted;
+use crate::rule::{counted, significant};
 use crate::scene::{
-    AtBranchPoint, Contact, Continuation, Hertz, ImposedModes, InternalResonance, MethodKind, Scene, Section, Segment,
-    Start, Structure, Updating,
+    AtBranchPoint, Contact, Continuation, GroundSpring, Hertz, ImposedModes, InternalResonance, MethodKind, Scene,
+    Section, Segment, SpringDirection, Start, Structure, Updating,
 };
 
 /// Structure, stops, method, branch or responses.
@@ -26,6 +26,7 @@ pub fn rows(scene: &Scene, open: Option<&OpenStructure>, state: Option<&StaticSt
     rows.extend(springs::rows(scene));
     rows.extend(static_loads::rows(scene, state));
     rows.extend(scene.updating.as_ref().map(|updating| row("updating", fitted(updating))));
+    rows.extend(open.filter(|_| !bodies.is_empty()).map(|open| row("frequencies", matrices::frequencies(open))));
     rows.extend(open.map(|open| matrices::reduction(scene, open)));
     if scene.transient.is_none() {
         rows.push(row("method", method(scene)));
@@ -45,7 +46,9 @@ fn straight(name: &str, of: &Structure) -> Vec<Row> {
     let mut rows = vec![row(name, structure(of))];
     rows.extend(of.segments.iter().map(|segment| row("segment", self::segment(segment))));
     rows.extend(of.modes.as_ref().map(|modes| row("modes", imposed(modes))));
+    rows.push(mass(of));
     rows.push(row("supports", format!("start {}, end {}", of.start.name(), of.end.name())));
+    rows.extend(of.springs.iter().map(|spring| row("", self::spring(spring, of))));
     rows.push(row("mesh", mesh(of)));
     rows
 }
@@ -79,6 +82,24 @@ fn segment(segment: &Segment) -> String {
         segment.to_node,
         added(segment.added_mass)
     )
+}
+
+/// The mass of all parts, and the point masses among them.
+fn mass(of: &Structure) -> Row {
+    let points: Vec<String> =
+        of.mass_points.iter().map(|point| format!("{} kg at {} m", number(point.mass), number(point.at))).collect();
+    let of_points = if points.is_empty() { String::new() } else { format!(", of which {}", points.join(", ")) };
+    row("mass", format!("{} kg{of_points}", significant(of.total_mass(), 5)))
+}
+
+fn spring(spring: &GroundSpring, of: &Structure) -> String {
+    let at = of
+        .mesh()
+        .ok()
+        .and_then(|mesh| mesh.nodes().get(spring.node).copied())
+        .map_or_else(String::new, |at| format!(" at {} m", number(at)));
+    let unit = if spring.direction == SpringDirection::Rotation { "N m" } else { "N/m" };
+    format!("spring of {} {unit}{at}, {}", number(spring.stiffness), spring.direction.name())
 }
 
 fn added(mass: f64) -> String {

@@ -18,8 +18,9 @@ pub struct RawMethod {
     /// Number of the linear mode from which the branch starts, 1 for the lowest
     #[schemars(range(min = 1), extend("default" = 1))]
     pub mode: Option<u32>,
-    /// Number of harmonics of the motion, not counting its mean; a list computes one branch for each. With shooting,
-    /// the number of harmonics that are written
+    /// Number of harmonics of the motion, not counting its mean. To begin with, 7 for modes and 15 for responses; the
+    /// estimated errors tell whether more are needed. A list computes one branch for each. With shooting, the number
+    /// of harmonics that are written
     #[schemars(schema_with = "one_or_several_harmonics")]
     pub harmonics: Option<Vec<u32>>,
     /// Largest relative error of the frequency, at the same energy, that may come from harmonics and fixed-interface

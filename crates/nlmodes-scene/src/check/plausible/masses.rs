@@ -1,6 +1,6 @@
 use super::meant;
 use crate::rule::{number, significant};
-use crate::scene::{Section, Structure};
+use crate::scene::Structure;
 use crate::{Diagnostic, Diagnostics};
 
 /// Point masses and added masses above this multiple of the structure's mass look like a mistake of the unit.
@@ -8,7 +8,7 @@ const HEAVY: f64 = 100.0;
 
 /// Warns of masses that no such structure carries.
 pub fn warn(structure: &Structure, diagnostics: &mut Diagnostics<'_>) {
-    let own = own_mass(structure);
+    let own = structure.section_mass();
     for (i, point) in structure.mass_points.iter().enumerate().filter(|(_, point)| point.mass > HEAVY * own) {
         let path = format!("structure.mass_point.{i}.mass_kg");
         let label = format!("{} kg, on a structure of {} kg", number(point.mass), significant(own, 2));
@@ -20,8 +20,8 @@ pub fn warn(structure: &Structure, diagnostics: &mut Diagnostics<'_>) {
     }
     let segments = structure.segments.iter().enumerate();
     let of_segments =
-        segments.map(|(i, s)| (format!("structure.segment.{i}"), s.added_mass, s.density * area(s.section)));
-    let whole = ("structure".to_owned(), structure.added_mass, structure.density * area(structure.section));
+        segments.map(|(i, s)| (format!("structure.segment.{i}"), s.added_mass, s.density * s.section.area()));
+    let whole = ("structure".to_owned(), structure.added_mass, structure.density * structure.section.area());
     for (table, added, own) in std::iter::once(whole).chain(of_segments) {
         let path = format!("{table}.added_mass_kg_m");
         if added > HEAVY * own && diagnostics.has(&path) {
@@ -30,22 +30,5 @@ pub fn warn(structure: &Structure, diagnostics: &mut Diagnostics<'_>) {
                 Diagnostic::warning(format!("`{path}` is {} times that of the section", significant(added / own, 2)));
             diagnostics.put(&path, diagnostic.help(meant(added, "g/m", 1e-3)), label);
         }
-    }
-}
-
-/// Mass of the sections, kg.
-fn own_mass(structure: &Structure) -> f64 {
-    let mut from = 0.0;
-    let mut mass = 0.0;
-    for segment in &structure.segments {
-        mass += segment.density * area(segment.section) * (segment.to - from);
-        from = segment.to;
-    }
-    mass + structure.density * area(structure.section) * (structure.length - from)
-}
-
-fn area(section: Section) -> f64 {
-    match section {
-        Section::Rod { area } | Section::Beam { area, .. } => area,
     }
 }
