@@ -135,8 +135,8 @@ Example:
   nlmodes-cli run configs/beam_responses.toml
   nlmodes-cli settle results/beam_responses --point 60
 
-The motion is disturbed along the vector of its largest multiplier and integrated exactly. What it becomes also stands \
-    in settled.json beside the results.
+The motion is disturbed along the vector of its largest multiplier and integrated exactly. What it becomes is also \
+    written in settled.json beside the results.
 
 Exit status 1 where the motion cannot be integrated, 2 where the directory holds no such point.")]
     Settle(settle::Arguments),

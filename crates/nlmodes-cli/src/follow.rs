@@ -20,7 +20,7 @@ pub struct Arguments {
     /// What is followed
     #[arg(long, value_enum, default_value_t = What::Fold)]
     of: What,
-    /// Key of the parameter, as --set takes it; its value has to stand in the scene
+    /// Key of the parameter, as --set takes it; its value has to be in the scene
     #[arg(long, value_name = "KEY")]
     over: String,
     /// Lowest value, in the unit of the key

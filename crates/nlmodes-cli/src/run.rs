@@ -40,7 +40,7 @@ fn branches(files: Vec<SceneFile>, options: RunOptions) -> Status {
     }
 }
 
-/// Most levels that are told one by one.
+/// Most levels that are reported one by one.
 const LEVELS: usize = 12;
 
 fn responses(file: &SceneFile, options: RunOptions) -> Status {

@@ -4,7 +4,7 @@ use nlmodes_linalg::{DenseLu, Mat, symmetric_eigen};
 
 use crate::{LcpError, LcpMatrix, LcpSolver};
 
-/// Compliance, over that of the contacts, of the springs to the ground that stand for the missing stiffness while the
+/// Compliance, over that of the contacts, of the springs to the ground that represent the missing stiffness while the
 /// closed contacts are sought; the result does not depend on it.
 const GROUND: f64 = 1e3;
 
@@ -204,7 +204,7 @@ mod tests {
     fn a_bar_lies_on_the_supports_that_carry_it() {
         let rows: [&[f64]; 3] = [&[1.0, -1.0], &[1.0, 0.0], &[1.0, 1.0]];
         for unit in [1e-9, 1.0, 1e6] {
-            // At −1 and 1: 10 N at 0.4 are 3 N and 7 N; the middle stands 20 of these compliances lower.
+            // At −1 and 1: 10 N at 0.4 are 3 N and 7 N; the middle is 20 of these compliances lower.
             let found = rest(&[unit, unit, unit], &rows, &[0.0, 20.0 * unit, 0.0], &[-10.0, -4.0]).unwrap();
             assert!(near(&found.forces, &[3.0, 0.0, 7.0]) && found.closed == [true, false, true], "{found:?}");
             assert!(near(&found.motion.map_by(unit), &[-5.0, -2.0]), "{found:?}");

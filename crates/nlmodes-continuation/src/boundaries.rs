@@ -23,7 +23,7 @@ const SAME: f64 = 1.0 - 1e-6;
 /// Most boundaries: the ways to pass some of them double with each.
 const MOST: usize = 6;
 
-/// Ratio of the pivots below which gradients are not told apart.
+/// Ratio of the pivots below which gradients are not distinguished.
 const DEPENDENT: f64 = 1e-6;
 
 /// A point around the center, and the piece on which it lies.

@@ -11,10 +11,10 @@ use crate::step::StepSettings;
 use crate::vectors::{along, dot};
 
 /// Discriminant of the branching equation, over the square of its largest coefficient, below which its roots are not
-/// told apart.
+/// distinguished.
 const DEGENERATE: f64 = 1e-6;
 
-/// Coefficient of the branching equation that is told from rounding, over that of second differences.
+/// Coefficient of the branching equation that is distinguished from rounding, over that of second differences.
 const ABOVE_ROUNDING: f64 = 1e3;
 
 /// Largest distance of a search for half-branches, over the longest step, to which that is doubled.
@@ -112,8 +112,8 @@ fn quadratic<S: ParametricSystem>(
 }
 
 /// Half-branches where more than one direction is free, or the branching equation does not tell: by a search, at the
-/// least distance at which each that is found is told from its neighbours. Where that is nowhere, as of waves around a
-/// ring, whose phase is free but for terms below rounding, the branch itself alone.
+/// least distance at which each that is found is distinguished from its neighbours. Where that is nowhere, as of waves
+/// around a ring, whose phase is free but for terms below rounding, the branch itself alone.
 fn several<S: ParametricSystem>(
     system: &mut S,
     corrector: &mut Corrector,

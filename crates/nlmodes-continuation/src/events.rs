@@ -118,7 +118,7 @@ impl<S: ParametricSystem> Search<'_, S> {
     /// Where `det [J; tᵀ]` changes its sign; `None` if it is not known where within the step.
     ///
     /// The nearer points are to a branch point, the less they are known. So where the Jacobian becomes singular evenly,
-    /// the last stretch is interpolated.
+    /// the last segment is interpolated.
     pub fn crossing(&mut self) -> Option<Located> {
         let kinds = vec![EventKind::BranchPoint];
         let [mut low, mut high] = self.whole();
@@ -150,7 +150,7 @@ impl<S: ParametricSystem> Search<'_, S> {
 
     /// Where `test`, a smooth function of point and tangent that is negative at the end, turns so. Where a point of
     /// the branch is not found, others in the bracket are tried; if none is, the nearest one known on the far side
-    /// stands for the root.
+    /// is taken for the root.
     pub fn root(&mut self, test: impl Fn(&Correction) -> f64) -> Root {
         self.find(&ELSEWHERE, self.whole(), &test)
     }

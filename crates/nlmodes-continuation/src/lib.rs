@@ -11,11 +11,11 @@
 //!
 //! `det [J; tᵀ]` keeps its sign along a curve, kinks included, until another curve crosses. So a step upon which it
 //! changes is accepted only where more than two half-branches are found to meet; otherwise it has jumped and is
-//! shortened. How often it vanishes within a step is told by the eigenvalues of the Jacobian at its end in terms of
-//! that at its beginning: a step that passes more than one such point is shortened until they are told apart, or are
-//! one. The half-branches of a point are those along the tangents of the smooth pieces that meet there, those of the
-//! quadratic branching equation where the kernel has two dimensions, or found by deflated Newton's method where it has
-//! more; each is confirmed by a correction. Only such a search need not be complete, and says so
+//! shortened. How often it vanishes within a step is determined by the eigenvalues of the Jacobian at its end in terms
+//! of that at its beginning: a step that passes more than one such point is shortened until they are distinguished, or
+//! are one. The half-branches of a point are those along the tangents of the smooth pieces that meet there, those of
+//! the quadratic branching equation where the kernel has two dimensions, or found by deflated Newton's method where it
+//! has more; each is confirmed by a correction. Only such a search need not be complete, and says so
 //! ([`Crossing::complete`]). The branch goes on along its own, or along another ([`AtBranchPoint`]);
 //! [`Continuation::run_tree`] follows them all.
 //!

@@ -8,7 +8,7 @@ use crate::{
     Boundary, BranchPoint, Correction, Crossing, LinearSolver, Linearization, ParametricSystem, Refusal, StopReason,
 };
 
-/// Least size of an unknown that follows from the tangent; below it stands rounding.
+/// Least size of an unknown that follows from the tangent; anything below is rounding.
 const LEAST: f64 = 1e-10;
 
 /// Largest derivative of an equation, over its size: residuals of numbers near one have such.
@@ -271,7 +271,7 @@ impl<E: std::error::Error + 'static> ParametricSystem for Scaled<'_, E> {
         out.scale_entries(|i, j| unknowns[j] / equations[i]);
         for (i, unit) in equations.iter().enumerate() {
             out.residual[i] /= unit;
-            // One stands for a system that writes none.
+            // One is taken for a system that writes none.
             if out.sizes[i] != 1.0 {
                 out.sizes[i] /= unit;
             }

@@ -224,7 +224,7 @@ mod tests {
                 let ratio = values[0] / values[n - 1];
                 let off = (found.ratio - ratio).abs();
                 assert!(off < rounding + estimate * ratio, "{small:?}: {:e} of {ratio:e}", found.ratio);
-                // What is nearly free is not told apart from the tangent by squares.
+                // What is nearly free is not distinguished from the tangent by squares.
                 let free_too = if estimate < 1e-3 { free } else { 0 };
                 let within: f64 = (0..free_too).chain([n]).map(|k| dot(&found.tangent, &v(k)).powi(2)).sum();
                 assert!((within - 1.0).abs() < 1e-12, "{small:?}: {within}");
@@ -236,7 +236,7 @@ mod tests {
         }
     }
 
-    /// Weighted differences around a ring and an unknown that stands nowhere: `Σ r_i / a_i = 0` of the rows, weights
+    /// Weighted differences around a ring and an unknown that occurs nowhere: `Σ r_i / a_i = 0` of the rows, weights
     /// that are powers of two, so that elimination ends with a pivot of zero.
     #[test]
     fn what_is_free_of_a_sparse_matrix_that_cannot_be_factored_is_known_too() {

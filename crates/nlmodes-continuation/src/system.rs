@@ -124,8 +124,8 @@ pub trait ParametricSystem {
         None
     }
 
-    /// Told of every point from which the branch goes on, not of events within a step; for systems with a moving phase
-    /// condition or warm starts.
+    /// Notified of every point from which the branch goes on, not of events within a step; for systems with a moving
+    /// phase condition or warm starts.
     fn accepted(&mut self, x: &[f64], p: f64) {
         let _ = (x, p);
     }

@@ -30,7 +30,7 @@ pub struct TreeBranch {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct BranchTree {
-    /// Each stands behind the one that it leaves.
+    /// Each follows the one that it leaves.
     pub branches: Vec<TreeBranch>,
     /// Half-branches that were found but not followed, since there were branches enough.
     pub not_followed: usize,

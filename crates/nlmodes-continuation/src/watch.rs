@@ -10,18 +10,18 @@ use thiserror::Error;
 
 use crate::{Boundary, Correction, LinearSolver, Linearization, ParametricSystem, RunLog, Scaling, StepRecord};
 
-/// What is done before anything else was said.
+/// What is done before anything else is reported.
 const BEGINNING: &str = "computing linear modes";
 
-/// Somebody who is told what a computation is doing before each evaluation of its equations, some thousand times a
-/// second, and may end it there.
+/// Somebody who is notified of what a computation is doing before each evaluation of its equations, some thousand times
+/// a second, and may end it there.
 ///
 /// Clones watch together: one that has been ended ends all. Watches are equal if they are clones of each other, or
 /// nobody looks on.
 #[derive(Clone, Default)]
 pub struct Watch(Option<Arc<Watching>>);
 
-/// Who is told what is done, and after how many evaluations.
+/// Who is notified of what is done, and after how many evaluations.
 type Ask = dyn Fn(&str, usize) -> ControlFlow<()> + Send + Sync;
 
 struct Watching {
@@ -32,7 +32,7 @@ struct Watching {
 }
 
 impl Watch {
-    /// `ask` is told what is done, in words, and the number of evaluations since that began.
+    /// `ask` is notified of what is done, in words, and the number of evaluations since that began.
     pub fn new(ask: impl Fn(&str, usize) -> ControlFlow<()> + Send + Sync + 'static) -> Self {
         Self(Some(Arc::new(Watching {
             ask: Box::new(ask),
@@ -52,7 +52,7 @@ impl Watch {
         self.evaluates().is_err()
     }
 
-    /// The same for whoever is told of each point.
+    /// The same for whoever is notified of each point.
     pub fn lets_go_on(&self) -> ControlFlow<()> {
         if self.asks_to_end() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }

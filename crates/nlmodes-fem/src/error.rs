@@ -53,7 +53,7 @@ pub enum FemError {
         outer: f64,
     },
     /// A solid element whose volume is not positive.
-    #[error("element {element} has no volume, or its nodes stand in another order")]
+    #[error("element {element} has no volume, or its nodes are in another order")]
     InsideOut {
         /// The element, counted from 0.
         element: usize,

@@ -81,7 +81,7 @@ fn curvatures(material: &Material, section: &Section, length: f64) -> [[f64; 4];
 
 /// A row of node, kind and weight; what is held does not move.
 fn row(dofs: &[Dof], position: f64, material: &Material, weights: &[(usize, DofKind, f64)]) -> StressRow {
-    // Degrees of freedom stand in the order of their nodes.
+    // Degrees of freedom are in the order of their nodes.
     let find = |node: usize, kind: DofKind| {
         let first = dofs.partition_point(|dof| dof.node < node);
         let own = dofs[first..].iter().take_while(|dof| dof.node == node).position(|dof| dof.kind == kind);

@@ -30,7 +30,7 @@ const ROUNDING: f64 = 1e-11;
 /// first, [`GalerkinReduction`]: modes beyond the computed ones answer as springs with the mass of their static shape,
 /// and what is left out falls with `ν⁴/λ³`.
 ///
-/// A stop's own compliance is in series with `A` and stands on its diagonal alone. Where the massless coordinates are
+/// A stop's own compliance is in series with `A`, on its diagonal alone. Where the massless coordinates are
 /// the tips of contact springs ([`ContactCoordinates::SpringTips`]), the same equations are conventional harmonic
 /// balance: the contact node moves in harmonics with its mass, and `A = diag(1/k_c)`.
 #[derive(Debug, Clone)]

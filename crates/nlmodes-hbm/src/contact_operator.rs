@@ -393,7 +393,7 @@ impl ContactOperator {
                 self.spectra.push(Spectrum::new(set, spectrum));
             }
         }
-        // A sample stands for the stretch around it.
+        // A sample represents the interval around it.
         let end = self.end();
         self.intervals.clear();
         for j in 0..=samples {

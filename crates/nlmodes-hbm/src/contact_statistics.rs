@@ -173,7 +173,7 @@ impl Extreme {
 /// Largest value of `f` in `[from, to]`, behind the phase at which it has it: samples, then the zero of the slope
 /// beside the best one.
 pub(crate) fn largest(f: &Trigonometric, from: f64, to: f64) -> (f64, f64) {
-    // As many as the shortest wave asks for on this stretch.
+    // As many as the shortest wave asks for on this interval.
     let cells = 8 + (8.0 * f.z.len() as f64 * (to - from) / TAU).ceil() as usize;
     let width = (to - from) / cells as f64;
     let at = |j: usize| from + width * j as f64;

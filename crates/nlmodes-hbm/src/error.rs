@@ -27,7 +27,7 @@ pub enum HbmError {
         /// Fewest samples.
         needed: usize,
     },
-    /// Laws of force stand beside damping that couples modes.
+    /// Laws of force together with damping that couples modes.
     #[error("laws of force beside damping that couples modes: give the dampers as laws too")]
     LawsBesideCoupledModes,
     /// A gradient is asked for beside laws of force.

@@ -9,7 +9,7 @@ use crate::trigonometric::inner;
 use crate::{CondensedStructure, HbmError, MixedShooting, MixedShootingSettings, Scales};
 
 /// Frequency over that of the highest held mode up to which harmonics can be resonant, for contacts stiffen; and where
-/// modes are left out, up to which the terms that stand for these hold.
+/// modes are left out, up to which the terms that represent these hold.
 const MARGIN: (f64, f64) = (1.2, 0.5);
 
 /// Most harmonics by which the larger problem reaches out for held modes: a step of Newton's method on it takes
@@ -37,8 +37,8 @@ impl TruncationError {
 ///
 /// The larger problem has `M = max(2 N_h + 1, N_h + 6)` harmonics, and as many as reach to the highest held mode: an
 /// internal resonance with a harmonic beyond the larger problem would stay unseen. Where a step is not small, as next
-/// to a resonance, two larger problems differ: the larger of both estimates counts. For what the fixed-interface modes that
-/// were not computed change, it has the first term of what the reduction
+/// to a resonance, two larger problems differ: the larger of both estimates counts. For what the fixed-interface modes
+/// that were not computed change, it has the first term of what the reduction
 /// [leaves out](nlmodes_model::reduction::GalerkinReduction::left_out) too:
 ///
 /// ```text
@@ -53,7 +53,7 @@ impl TruncationError {
 ///
 /// As the error falls with about the fifth power of `N_h`, the larger problem counts as exact; the step of Newton's
 /// method, which neglects only squares of the error, is the error with its sign turned. Where an internal resonance
-/// that the solution does not know stands in the way, `[J; tᵀ]` is nearly singular and the estimate large.
+/// that the solution does not know is present, `[J; tᵀ]` is nearly singular and the estimate large.
 pub struct TruncationEstimator<'s> {
     structure: &'s CondensedStructure,
     coarse: RealSeries,
@@ -189,7 +189,8 @@ impl<'s> TruncationEstimator<'s> {
         let (k, p) = (self.fine.frequency_index(), z.len());
         let (d_omega, t_omega) = (delta[k] / z[k], tangent[k] / z[k]);
         let length = t_omega.hypot(tangent[p]);
-        // Where neither changes along the branch, as on the tip of a tongue, every direction is across.
+        // Where neither changes along the branch, as on the tip of an internal-resonance branch, every direction is
+        // across.
         if length < 1e-9 {
             return d_omega.hypot(delta[p]);
         }

@@ -200,8 +200,8 @@ impl MixedShooting<'_> {
     }
 
     /// Motion and force of all contacts over one period of the point with the unknowns `x`, exact at the instants of
-    /// contact: where any of them closes or opens stand two instants, a rounding apart, with what is just before and
-    /// just after. Between them lie equidistant ones, some within the shortest blow too, so that there are
+    /// contact: where any of them closes or opens there are two instants, a rounding apart, with what is just before
+    /// and just after. Between them lie equidistant ones, some within the shortest blow too, so that there are
     /// `samples + 1` in all, or as many more as it takes for 65 beside the changes.
     ///
     /// # Errors

@@ -55,15 +55,16 @@ impl Scales {
 /// ln(E_av(ω, b)/E_ref) − p = 0                          energy condition of (16)
 /// ```
 ///
-/// The paper iterates on `q_N,n` instead, eq. (15); the solutions are the same, with `q_N = b + K_NN⁻¹ W λ`. But `q_N,n`
-/// vanishes where `nω` meets an eigenfrequency of the structure with its contacts held, and cannot tell solutions apart
-/// there; `b_n` does, for `q_N(t)` is a function of `b(t)`, not the other way round.
+/// The paper iterates on `q_N,n` instead, eq. (15); the solutions are the same, with `q_N = b + K_NN⁻¹ W λ`. But
+/// `q_N,n` vanishes where `nω` meets an eigenfrequency of the structure with its contacts held, and cannot tell
+/// solutions apart there; `b_n` does, for `q_N(t)` is a function of `b(t)`, not the other way round.
 ///
 /// With [`Symmetry::Even`] this is square. With [`Symmetry::None`] the phase is free: the phase of the last accepted
 /// point is held, [`PhaseCondition`](crate::PhaseCondition), and with it comes a negative damping `ξ` as an unknown; on
 /// a solution of a conservative system it vanishes, which [`MixedShooting::unfolding`] lets one check.
 ///
-/// Unknown vector: `b/length` (one direction of the contacts after the other, [`RealSeries`]), `ω/omega`, and `ξ/omega`.
+/// Unknown vector: `b/length` (one direction of the contacts after the other, [`RealSeries`]), `ω/omega`, and
+/// `ξ/omega`.
 pub struct MixedShooting<'s> {
     pub(crate) structure: &'s CondensedStructure,
     settings: MixedShootingSettings,

@@ -84,7 +84,7 @@ impl RealSeries {
         if self.symmetry == Symmetry::Even {
             return self.even_multiplication(averages);
         }
-        // C_k and S_k, k = −H … 2H: a row takes stretches of them that begin m before and m behind.
+        // C_k and S_k, k = −H … 2H: a row takes parts of them that begin m before and m behind.
         let below = averages[1..=h].iter().rev();
         let cosines: Vec<f64> = below.clone().chain(averages).map(|z| z.re).collect();
         let sines: Vec<f64> = below.map(|z| z.im).chain([0.0]).chain(averages[1..].iter().map(|z| -z.im)).collect();
@@ -104,7 +104,7 @@ impl RealSeries {
         matrix
     }
 
-    /// Toeplitz and Hankel part, `C_|m−n| + C_m+n`, as two stretches of the averages mirrored about `C_0`.
+    /// Toeplitz and Hankel part, `C_|m−n| + C_m+n`, as two parts of the averages mirrored about `C_0`.
     fn even_multiplication(&self, averages: &[Complex64]) -> Vec<f64> {
         let (width, h) = (self.width(), self.n_harmonics);
         let mirrored: Vec<f64> = averages[1..=h].iter().rev().chain(averages).map(|z| z.re).collect();
@@ -127,7 +127,7 @@ impl RealSeries {
     }
 }
 
-/// What stands `m` before these places, and `m` behind them.
+/// The values `m` before these places, and `m` behind them.
 fn around(all: &[f64], at: RangeInclusive<usize>, m: usize) -> impl Iterator<Item = (f64, f64)> {
     all[at.start() - m..=at.end() - m].iter().copied().zip(all[at.start() + m..=at.end() + m].iter().copied())
 }

@@ -4,7 +4,7 @@ use nlmodes_continuation::{Linearization, ParametricSystem, Scaling};
 use crate::periodic::PeriodicSystem;
 use crate::{CondensedStructure, Grazing, HbmError, MixedShootingSettings, Scales};
 
-/// The way to motions before contacts that touch at rest, from the linear mode before contacts that stand back.
+/// The way to motions before contacts that touch at rest, from the linear mode before contacts that are set back.
 ///
 /// ```text
 /// R(x; g₀ + s² o) = 0 ,   E_av = E_ref ,   s from 1 to 0
@@ -36,7 +36,7 @@ impl ShrinkingGaps {
         Ok(Self { system: system.beside_opening(opening.to_vec())? })
     }
 
-    /// The unknowns of the linear mode before contacts that stand back, a solution at `s = 1`.
+    /// The unknowns of the linear mode before contacts that are set back, a solution at `s = 1`.
     pub fn start(&self, grazing: &Grazing) -> Vec<f64> {
         grazing.unknowns(&self.system)
     }

@@ -20,7 +20,7 @@ pub fn grazing(structure: &CondensedStructure, mode: usize) -> Result<Grazing, H
     unless_touching(&structure.modal, grazing_opened(structure, mode, 1.0)?)
 }
 
-/// As [`grazing`], also where contacts touch at rest without force: these stand back by [`Grazing::opening`].
+/// As [`grazing`], also where contacts touch at rest without force: these are set back by [`Grazing::opening`].
 ///
 /// The motion has half the amplitude at which another contact would change its state, and where there is no such
 /// contact the averaged kinetic energy `energy`, J: before contacts that all touch at rest, motions can be multiplied

@@ -14,7 +14,7 @@ pub(crate) type Solve<'a> = dyn FnMut(f64, &[f64], &mut [bool]) -> Result<(), Hb
 /// Narrowest cell that is divided further, rad.
 const FINEST: f64 = 1e-14;
 
-/// Shortest stretch that is searched for more than one extremum, rad: on it a dip is lost in rounding.
+/// Shortest interval that is searched for more than one extremum, rad: on it a dip is lost in rounding.
 const SHORTEST: f64 = 1e-6;
 
 /// Over what the curvature of a guard allows, so that rounding of bounds decides nothing.
@@ -43,7 +43,7 @@ impl<'a> Tracer<'a> {
         Self { y, intervals: Vec::new(), guard: Trigonometric::default(), curvature, sizes }
     }
 
-    /// Appends a stretch with the contacts of `set` closed.
+    /// Appends an interval with the contacts of `set` closed.
     pub fn extend(&mut self, set: usize, from: f64, to: f64) {
         match self.intervals.last_mut() {
             Some(last) if last.set == set => last.to = to,
@@ -192,7 +192,7 @@ impl<'a> Tracer<'a> {
 fn falls_below_zero(f: &Trigonometric, noise: f64, from: f64, to: f64) -> Option<f64> {
     let bounds = f.bounds();
     // A gap that stays zero while another contact is closed is rounding and nothing else. Without finite numbers
-    // nothing would end the search before its shortest stretch, everywhere.
+    // nothing would end the search before its shortest interval, everywhere.
     if bounds[0] <= noise || !bounds.iter().all(|bound| bound.is_finite()) {
         return None;
     }
@@ -208,8 +208,8 @@ struct Guard<'a> {
 }
 
 impl Guard<'_> {
-    /// Divides the stretch until the function cannot reach zero, or is convex or concave: then its ends and their
-    /// slopes tell all. A stretch in which it rises, falls and rises again would otherwise hide a short contact.
+    /// Divides the interval until the function cannot reach zero, or is convex or concave: then its ends and their
+    /// slopes tell all. An interval in which it rises, falls and rises again would otherwise hide a short contact.
     fn search(&self, from: Instant, to: Instant) -> Option<f64> {
         let width = to.tau - from.tau;
         if from.f[0].min(to.f[0]) > width * width / 8.0 * self.bounds[2] {
@@ -316,8 +316,8 @@ mod tests {
         }
     }
 
-    /// Whether the stretch of this width about `middle` is quiet, with the gap `height + cos τ` and other contacts that
-    /// stay open.
+    /// Whether the interval of this width about `middle` is quiet, with the gap `height + cos τ` and other contacts
+    /// that stay open.
     fn quiet(height: f64, middle: f64, width: f64, others: usize) -> bool {
         let c = 1 + others;
         let identity = nlmodes_linalg::Mat::from_fn(c, c, |i, j| if i == j { 1.0 } else { 0.0 });

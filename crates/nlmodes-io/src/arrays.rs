@@ -16,7 +16,7 @@ pub struct NumberArray {
 }
 
 /// Reads all real arrays of numbers of a MATLAB file, version 5 to 7.3 (`.mat`), or of another HDF5 file (`.h5`,
-/// `.hdf5`), of which groups count as structures; behind `#` stands the structure, cell or array that is meant,
+/// `.hdf5`), of which groups count as structures; behind `#` is the structure, cell or array that is meant,
 /// `run.mat#Tests{2}`. Sparse and complex arrays, texts and objects are left out.
 ///
 /// # Errors

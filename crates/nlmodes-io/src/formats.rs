@@ -89,7 +89,8 @@ impl Format {
                 &address.path,
                 Problem::Expected {
                     expected:
-                        "a file of a matrix: .sti, .mas, .mtx, .npz, .mat, .hb or .pch (also .gz), or its format said"
+                        "a file of a matrix: .sti, .mas, .mtx, .npz, .mat, .hb or .pch (also .gz), or a format that \
+                        is named"
                             .into(),
                     found: shown(format!(".{ending}").as_bytes()),
                 },

@@ -5,7 +5,7 @@ pub(crate) type Motion = Vec<Vec<(usize, f64)>>;
 
 /// The lower triangle of a symmetric matrix, diagonal included, in compressed columns.
 ///
-/// `values[p]`, `column_starts[j] ≤ p < column_starts[j + 1]`, stands in row `rows[p] ≥ j` of column `j`; rows ascend
+/// `values[p]`, `column_starts[j] ≤ p < column_starts[j + 1]`, is in row `rows[p] ≥ j` of column `j`; rows ascend
 /// within a column, none is stored twice, no stored value is zero.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LowerTriangle {
@@ -91,7 +91,7 @@ impl LowerTriangle {
         for (i, j, value) in self.entries() {
             for &(k, of_i) in &motion[i] {
                 for &(l, of_j) in &motion[j] {
-                    // An entry beside the diagonal stands for its mirror image too, of which one triangle is kept.
+                    // An entry beside the diagonal represents its mirror image too, of which one triangle is kept.
                     let twice = if i != j && k == l { 2.0 } else { 1.0 };
                     if i != j || k >= l {
                         columns[k.min(l)].push((k.max(l), twice * of_i * of_j * value));

@@ -43,7 +43,7 @@ pub struct FeModel {
     pub fixed_mass: Vec<(usize, DofLabel, f64)>,
     places: HashMap<u64, [f64; 3]>,
     rows: HashMap<DofLabel, usize>,
-    /// Numbers of nodes that stand for unknowns within elements, which no file names, and the nodes of the deck from
+    /// Numbers of nodes that represent unknowns within elements, which no file names, and the nodes of the deck from
     /// which they come.
     within: BTreeMap<u64, u64>,
     /// What the files hold, where other unknowns have taken the place of theirs.

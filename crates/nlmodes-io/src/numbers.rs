@@ -34,7 +34,7 @@ impl NumberTable {
 }
 
 /// Reads numbers from a file: an array of NumPy (`modes.npz#rows`, `rows.npy`), or lines of as many numbers each, with
-/// commas or blanks between them (`rows.csv`, also .gz); behind `#` stands a comment.
+/// commas or blanks between them (`rows.csv`, also .gz); behind `#` is a comment.
 ///
 /// # Errors
 /// [`ReadError`] with the position and the expected contents: another kind of file, an array that is not there or of

@@ -23,7 +23,7 @@ const SAMPLE: usize = 4096;
 const DIFFERENT: usize = 4;
 /// Fewer decimal digits are written by nobody but by those who mean them exactly.
 const FEWEST: u32 = 4;
-/// More decimal digits are not told apart from those of double precision.
+/// More decimal digits cannot be distinguished from those of double precision.
 const MOST: u32 = 14;
 /// Values below this share of the largest are what was left where others cancelled: they have few digits by chance.
 const LEFT_OVER: f64 = 1e-12;

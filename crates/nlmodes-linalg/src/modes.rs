@@ -120,7 +120,7 @@ impl<'a> Pencil<'a> {
     ///
     /// Where these leave open whether a motion strains anything, as of a structure that floats, it does not matter
     /// whether `K` happens to be positive definite in its last digits: `K + sM` is factored, with the first λ that is
-    /// told from zero as `s`.
+    /// distinguished from zero as `s`.
     ///
     /// # Errors
     /// As [`Pencil::new`]; [`LinalgError::NeitherStiffnessNorMass`] if both matrices vanish in some motions.
@@ -241,7 +241,7 @@ impl<'a> Pencil<'a> {
         }
     }
 
-    /// The first λ that is told from zero: by the digits, or as above the rounding of the shift.
+    /// The first λ that is distinguished from zero: by the digits, or as above the rounding of the shift.
     fn first_elastic(&self) -> Result<Option<f64>, LinalgError> {
         let (mut count, n) = (FEW, self.mass.nrows());
         loop {

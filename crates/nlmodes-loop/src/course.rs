@@ -16,8 +16,8 @@ impl TestControl {
         state
     }
 
-    /// Shows `see` each number on which the further course of a level depends, in an order of its own but for the first,
-    /// the phase `θ`, and the second, the integral of the loop filter; it may change them. The control of higher
+    /// Shows `see` each number on which the further course of a level depends, in an order of its own but for the
+    /// first, the phase `θ`, and the second, the integral of the loop filter; it may change them. The control of higher
     /// harmonics is left out.
     pub fn each_number(&self, state: &mut TestState, see: &mut dyn FnMut(&mut f64)) {
         see(&mut state.phase.theta);

@@ -84,7 +84,7 @@ pub enum PhaseLoopError {
         /// Its value.
         value: f64,
     },
-    /// A number that stands for a choice has no meaning.
+    /// A number that represents a choice has no meaning.
     #[error("{what} has no choice {code}: 0 to {most}")]
     Code {
         /// The setting.

@@ -167,7 +167,7 @@ mod tests {
         assert!(spread(20.0, |_| f64::NAN).spread.is_nan());
     }
 
-    /// White noise gives the spread that it is said to give, also beside impacts.
+    /// White noise gives the spread that is reported for it, also beside impacts.
     #[test]
     fn noise_has_the_spread_that_its_fourth_differences_tell() {
         let mut seed = 3_u64;

@@ -51,8 +51,8 @@ pub struct SteadyCriteria {
 }
 
 impl Default for SteadyCriteria {
-    /// Six windows of 20 periods, 0.02 degrees, 3e-6/s, 3e-4/s, 0.1 % of a controlled amplitude, 1 % between periods, 0.1 %
-    /// for controlled harmonics, three standard errors, at most 40 s.
+    /// Six windows of 20 periods, 0.02 degrees, 3e-6/s, 3e-4/s, 0.1 % of a controlled amplitude, 1 % between periods,
+    /// 0.1 % for controlled harmonics, three standard errors, at most 40 s.
     fn default() -> Self {
         Self {
             periods: 20,
@@ -173,7 +173,7 @@ pub struct Drifts {
     pub spread_noise: f64,
     /// Largest mean deviation of a controlled harmonic of the force over the last window, relative to the fundamental.
     pub harmonic_error: f64,
-    /// Windows that this is from; none: nothing can be said yet.
+    /// Windows that this is from; none: nothing can be known yet.
     pub windows: usize,
     /// Whether there are enough of them, and all is within tolerance and noise.
     pub settled: bool,

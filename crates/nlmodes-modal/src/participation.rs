@@ -26,7 +26,8 @@ pub struct Participation {
 impl Participation {
     /// Of the motion of a point with the mass-normalised modal coordinates `modal` (modes × (H + 1), m·√kg), with all
     /// harmonics but the mean in the sum; the phase of `anchor`, the fundamental of the first contact, is taken out.
-    /// NaN where a motion has no fundamental to be normalised by, as the pure second mode on the tip of a tongue.
+    /// NaN where a motion has no fundamental to be normalised by, as the pure second mode on the tip of an
+    /// internal-resonance branch.
     ///
     /// # Errors
     /// [`ModalError::NoFundamental`] if the modal amplitude is not finite.
@@ -36,7 +37,8 @@ impl Participation {
             let none = vec![f64::NAN; modal.n_coordinates()];
             Self { factors: none.clone(), quadrature: none, harmonics, energy_shares: Vec::new() }
         } else {
-            // Where the anchor's fundamental vanishes, as on the tip of a tongue, there is no phase to take out.
+            // Where the anchor's fundamental vanishes, as on the tip of an internal-resonance branch, there is no phase
+            // to take out.
             let phase = if anchor.norm() > 0.0 { PhaseAnchor::Phase(anchor.arg()) } else { PhaseAnchor::None };
             let shape = NonlinearModeShape::new(modal, |_| amplitude * amplitude, phase)?;
             Self::new(&shape.harmonics, harmonics)

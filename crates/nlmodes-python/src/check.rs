@@ -1,4 +1,4 @@
-//! `nlmodes.check`, `nlmodes.linear_frequencies`, `nlmodes.schema`: what can be said before anything is computed.
+//! `nlmodes.check`, `nlmodes.linear_frequencies`, `nlmodes.schema`: what is known before anything is computed.
 
 use nlmodes_run::{RunError, chain};
 use nlmodes_scene::AnyScene;

@@ -4,7 +4,7 @@
 //! | item | what |
 //! | --- | --- |
 //! | `run` | a scene of any kind: structure, records, virtual test |
-//! | `check`, `linear_frequencies`, `schema`, `columns` | what can be said before that |
+//! | `check`, `linear_frequencies`, `schema`, `columns` | what is known before that |
 //! | `command` | the command line |
 //! | `verify` | one period of the full structure from a computed point |
 //! | `Series` | contact problems |

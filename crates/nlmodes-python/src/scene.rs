@@ -16,7 +16,7 @@ const DEEPEST: usize = 20;
 /// Where a scene comes from.
 #[derive(FromPyObject)]
 pub enum Source {
-    /// Name that stands in messages, and text.
+    /// Name for messages, and text.
     #[pyo3(annotation = "tuple[str, str]")]
     Text(String, String),
     /// A file.
@@ -44,7 +44,7 @@ impl Source {
     }
 }
 
-/// What looks wrong with a scene, but does not stand in the way; each thing once, without its place.
+/// What looks wrong with a scene, but does not prevent a computation; each thing once, without its place.
 pub fn warnings(scene: &AnyScene) -> Vec<String> {
     scene.warnings().iter().map(Diagnostic::sentence).collect()
 }

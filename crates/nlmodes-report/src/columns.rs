@@ -112,7 +112,7 @@ What a run writes, name by name; `nlmodes-cli columns` prints the same. Everythi
     from 0 in the order of the
 branch, stops from 0 in the order of the scene (`contact.0.gap_m` on the command line is stop 0), modes and harmonics \
     from 1 (harmonic 0 is the
-mean). `…` stands for a number. A motion is `q(t) = Re Σ_n q_n e^{inωt}`, n = 0 to the number of harmonics; \
+mean). `…` is a number. A motion is `q(t) = Re Σ_n q_n e^{inωt}`, n = 0 to the number of harmonics; \
     displacements are positive along the
 axis of the structure (axial) or to its positive side (deflection), contact forces positive away from the stop.
 

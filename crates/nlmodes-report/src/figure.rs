@@ -42,7 +42,7 @@ use std::sync::Arc;
 
 /// A finished figure: a self-contained SVG document on white.
 ///
-/// It has neither `id` attributes nor styles, so several of them may stand in one HTML page.
+/// It has neither `id` attributes nor styles, so several of them may be in one HTML page.
 #[derive(Debug, Clone)]
 pub struct Figure {
     drawing: Arc<Drawing>,

@@ -158,7 +158,7 @@ pub fn foreign(directory: &Path, scenes: &Value, over: Over, document: Option<&D
     let place = directory.display();
     let known = match read(directory) {
         Ok(known) => known?,
-        Err(why) => return Some(format!("{place} holds results of which it cannot be told whose they are: {why}")),
+        Err(why) => return Some(format!("{place} holds results whose scene cannot be determined: {why}")),
     };
     if over == Over::Resumed && known["version"] != env!("CARGO_PKG_VERSION") {
         let version = known["version"].as_str().unwrap_or("another version");

@@ -77,7 +77,8 @@ pub(crate) trait Curve {
     /// As [`histories`](Self::histories).
     fn contacts_at(&self, open: &OpenStructure, point: usize, grid: Grid) -> Result<Vec<TimeHistory>, Failure>;
 
-    /// The coordinates of a structure in free-interface modes at these phases (rad) of a point, with its contacts there.
+    /// The coordinates of a structure in free-interface modes at these phases (rad) of a point, with its contacts
+    /// there.
     ///
     /// # Errors
     /// As [`histories`](Self::histories).

@@ -62,7 +62,7 @@ pub fn state_of(motion: &Motion, model: &Model) -> Result<Vec<f64>, String> {
     let q = Mat::from_fn(n, 2, |d, j| if j == 0 { at(d, 0) - moved(d) } else { at(d, 1) });
     let eta = open.modal_coordinates(&q).ok_or("the mass of its displacements is not known")?;
     let gaps = open.gaps();
-    // Where a dissipative stop stands is known while it is touched.
+    // The position of a dissipative stop is known while it is touched.
     let stops = model.stop_dampers.iter().map(|&(contact, _)| {
         let toward: f64 = model.contacts[contact].iter().map(|&(dof, w)| q[(dof, 0)] * w).sum();
         (toward - gaps[contact]).max(0.0)

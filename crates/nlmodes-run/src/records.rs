@@ -234,7 +234,7 @@ fn help(error: &RecordError) -> &'static [&'static str] {
             &["`segment.flag` is any of the names of a column; of files without names its number"]
         }
         RecordError::NoChannels { .. } | RecordError::Ambiguous { .. } => {
-            &["`channel.name` is any of the names of a column, as they stand between the signs ="]
+            &["`channel.name` is any of the names of a column, as they are written between the signs ="]
         }
         RecordError::UnitDisagrees { .. } => {
             &["`unit` and `sensitivity` of the channel must make of the numbers what the file says that they are"]

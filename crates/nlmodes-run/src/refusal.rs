@@ -126,7 +126,7 @@ pub fn unless_held_by_weight(file: &SceneFile, open: &OpenStructure) -> Result<(
     Err(file.error_at("method.mode", &title, &expected, &[&help]).into())
 }
 
-/// Where a support would stand.
+/// Position of a support that would help.
 fn support(scene: &Scene) -> &'static str {
     match &scene.structure {
         SceneStructure::Straight(_) | SceneStructure::Several(_) => {
@@ -221,7 +221,7 @@ pub fn of_branch(file: &SceneFile, error: &BranchError) -> RunError {
     if unlucky { RunError::Failed(said) } else { said.into() }
 }
 
-/// Whether all stops of a beam stand along its axis.
+/// Whether all stops of a beam are along its axis.
 fn stops_beside_bending(scene: &Scene) -> bool {
     let is_beam = scene.structure.straight().is_some_and(|structure| structure.kind() == StructureKind::Beam);
     is_beam && scene.contacts.iter().all(|c| c.direction == Direction::Axial)
@@ -247,8 +247,9 @@ pub fn unless_in_time(file: &SceneFile) -> Result<(), RunError> {
 
 /// A scene without a stop, of which no nonlinear mode can be computed.
 pub fn no_contact(file: &SceneFile) -> SceneError {
-    let help =
-        ["a stop stands under a heading [[contact]], a spring with a law of force under [[spring]]; `nlmodes-cli \
-        modes` computes the linear modes without them"];
+    let help = [
+        "a stop is described under a heading [[contact]], a spring with a law of force under [[spring]]; `nlmodes-cli \
+        modes` computes the linear modes without them",
+    ];
     file.error_at("contact", "without a stop there is no nonlinear mode to compute", "", &help)
 }

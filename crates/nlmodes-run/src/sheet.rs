@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use nlmodes::report::columns::Row as ColumnRow;
 use thiserror::Error;
 
-/// What may stand between two cells.
+/// What may separate two cells.
 const SEPARATORS: [char; 3] = [',', ';', '\t'];
 /// Longest line in bytes, far beyond any row.
 const LONGEST: u64 = 1 << 20;
@@ -74,7 +74,7 @@ pub enum SheetError {
         found: usize,
         /// Columns of the table.
         expected: usize,
-        /// What stands between the cells.
+        /// What separates the cells.
         separator: char,
     },
     /// A cell holds text where a number was expected.
@@ -165,13 +165,13 @@ impl Sheet {
         Ok(Self { path: path.to_path_buf(), lines, separator, head_line, head })
     }
 
-    /// Where a column stands, by its name in any case.
+    /// Position of a column, by its name in any case.
     pub fn column(&self, name: &str) -> Option<usize> {
         let exactly = self.head.iter().position(|column| column == name);
         exactly.or_else(|| self.head.iter().position(|column| column.eq_ignore_ascii_case(name)))
     }
 
-    /// Where a column stands without which the table says nothing.
+    /// Position of a column without which the table says nothing.
     pub fn needed(&self, name: &'static str) -> Result<usize, SheetError> {
         self.column(name).ok_or_else(|| self.missing(name))
     }
@@ -199,7 +199,7 @@ impl Sheet {
         Ok(Some(Row { line, cells }))
     }
 
-    /// Where the columns of such rows stand, where the table has them.
+    /// Positions of the columns of such rows, where the table has them.
     pub fn places<R: ColumnRow>(&self) -> Vec<Option<usize>> {
         R::COLUMNS.iter().map(|column| self.column(column.name)).collect()
     }
@@ -259,7 +259,7 @@ impl Lines {
     }
 }
 
-/// The cells of a line; `None` where a quotation mark is not closed. Within quotation marks a doubled one stands for
+/// The cells of a line; `None` where a quotation mark is not closed. Within quotation marks a doubled one means
 /// itself.
 fn split(text: &str, separator: char) -> Option<Vec<String>> {
     let (mut cells, mut cell, mut is_quoted) = (Vec::new(), String::new(), false);

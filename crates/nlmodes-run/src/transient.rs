@@ -34,7 +34,7 @@ const MOST_NUMBERS: f64 = 1e8;
 pub struct TransientOutcome {
     /// The scene, with parameters that were updated.
     pub scene: Scene,
-    /// What is to be told, line by line.
+    /// What is to be reported, line by line.
     pub lines: Vec<String>,
     /// Why the motion ends before its time, if it does.
     pub ended: Option<String>,
@@ -160,5 +160,5 @@ fn move_on(
     }
 }
 
-/// Stretches after which the observer is asked whether to go on.
+/// Intervals after which the observer is asked whether to go on.
 const ASKED: u32 = 4096;

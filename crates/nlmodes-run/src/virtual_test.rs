@@ -70,7 +70,7 @@ pub fn run(file: &SceneFile<TestScene>, over: Over, observer: &mut dyn Observer)
     match failure {
         Some(RigError::Interrupted) if levels.is_empty() => return Err(RunError::Ended),
         Some(error) if levels.is_empty() => return Err(refused::by_rig(file, &error)),
-        // What was interrupted is told below.
+        // What was interrupted is reported below.
         None | Some(RigError::Interrupted) => {}
         Some(error) => {
             let (done, all) = (levels.len(), scene.schedule.count);
@@ -93,7 +93,7 @@ pub fn run(file: &SceneFile<TestScene>, over: Over, observer: &mut dyn Observer)
     Ok(TestOutcome { levels, wrong })
 }
 
-/// Says which levels phase control will not hold. What cannot be told ahead, the test itself will say.
+/// Says which levels phase control will not hold. What cannot be foreseen, the test itself will say.
 fn warn(scene: &TestScene, test: &VirtualTest, observer: &mut dyn Observer) {
     let levels = levels_ahead(test, &observer.watch()).unwrap_or_default();
     for (index, level) in levels.iter().enumerate() {

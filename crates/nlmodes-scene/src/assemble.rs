@@ -417,7 +417,7 @@ fn full_model(scene: &Scene, structures: &Structures) -> Result<StructuralModel,
     }
 }
 
-/// A rod or beam with its stops as its elements give it; those with a law of force of their own stand beside it.
+/// A rod or beam with its stops as its elements give it; those with a law of force of their own are given beside it.
 ///
 /// # Errors
 /// What the element library has against it.

@@ -46,7 +46,7 @@ pub struct Subject<'a> {
     contact_tables: usize,
 }
 
-/// The checked scene, or `None` if an error among the diagnostics stands in its way. `stem` is the name of the file.
+/// The checked scene, or `None` if an error among the diagnostics prevents it. `stem` is the name of the file.
 pub fn scene(raw: &RawScene, stem: &str, base: &Path, diagnostics: &mut Diagnostics<'_>) -> Option<Scene> {
     let tables = raw.contact.as_deref().unwrap_or_default();
     let stops: Vec<f64> = tables.iter().map(|contact| contact.at_m).collect();
@@ -135,7 +135,7 @@ fn rest(
 ) -> Option<Scene> {
     let is_along = matches!(subject.places, Places::Along(_));
     // No mass is taken away unless the scene asks for it: by a rule for the mass of the contacts or by modes with held
-    // contacts; the springs of harmonic balance stand at nodes that keep their mass.
+    // contacts; the springs of harmonic balance are at nodes that keep their mass.
     let method = &raw.method;
     let names_held = method.mass_redistribution.is_some() || method.held_modes.is_some();
     let is_held = is_along && (names_held || method.kind == Some(MethodKind::Hbm));

@@ -85,7 +85,7 @@ impl<'a> Diagnostics<'a> {
         }
     }
 
-    /// Where the key of the path stands.
+    /// Position of the key of the path.
     pub fn place(&self, path: &str) -> Option<&'a crate::KeyPlace> {
         self.document.place(&self.in_file(path))
     }

@@ -1,4 +1,4 @@
-//! What looks wrong in the files of a structure and in its contacts, once they are read: nothing that stands in the way
+//! What looks wrong in the files of a structure and in its contacts, once they are read: nothing that prevents
 //! of a computation.
 
 mod alone;

@@ -34,7 +34,7 @@ pub struct Outline {
 pub struct Row {
     /// What it is about, as `method`; empty where it goes on with what the row before began.
     pub name: String,
-    /// What is to be said.
+    /// What is to be reported.
     pub text: String,
 }
 
@@ -43,7 +43,7 @@ const WARNED: &str = "The scene can be computed, but see the warning; nothing wa
 
 impl Outline {
     /// Of a structure; `open` is known of structures in open modes, `state` of those with static loads or stops that
-    /// press. `warned` says that a warning stands above it which is to be read first.
+    /// press. `warned` says that a warning precedes it which is to be read first.
     pub fn of_structure(
         scene: &Scene,
         (open, state): (Option<&OpenStructure>, Option<&StaticState>),
@@ -82,7 +82,7 @@ fn row(name: impl Into<String>, text: impl Into<String>) -> Row {
     Row { name: name.into(), text: text.into() }
 }
 
-/// Numbers as they stand in a scene.
+/// Numbers as they are written in a scene.
 fn list(values: &[f64]) -> String {
     values.iter().map(|x| number(*x)).collect::<Vec<_>>().join(", ")
 }

@@ -68,7 +68,10 @@ pub fn of_records(root: &DeTable<'_>) -> Option<Diagnostic> {
 pub fn not_of_records(root: &DeTable<'_>) -> Option<Diagnostic> {
     let (key, range) = first(root, &COMPUTED).filter(|_| !is_of_records(root))?;
     let diagnostic = Diagnostic::error("this scene describes a structure to compute with, not measured records");
-    let diagnostic = diagnostic.help("`nlmodes-cli run` computes it; records stand below a heading [recording]");
+    let diagnostic = diagnostic.help(
+        "`nlmodes-cli run` computes it; records are described below a heading \
+        [recording]",
+    );
     Some(diagnostic.at(range, format!("`{key}` describes what is computed")))
 }
 

@@ -174,7 +174,7 @@ pub struct RawContact {
     #[schemars(extend("unit" = "N s/m", "exclusiveMinimum" = 0.0))]
     pub damping_n_s_m: Option<f64>,
     /// Stiffness of a stop whose force is this times a power of the approach, as that of a ball on a plate after Hertz,
-    /// in N over that power of a metre; it stands behind the stops that have none
+    /// in N over that power of a metre; such stops follow those that have none
     #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub stiffness_hertz_n_m15: Option<f64>,
     /// Exponent of the approach; default 1.5

@@ -82,7 +82,7 @@ pub fn load_to_run(path: &Path, overrides: &[String]) -> Result<AnyScene, SceneE
     Ok(AnyScene::Structure(each_method(first, overrides)?))
 }
 
-/// Reads and checks the text of a scene, with the first of its methods. `name` stands in messages, and its stem in the
+/// Reads and checks the text of a scene, with the first of its methods. `name` is used in messages, and its stem in the
 /// default of the output directory.
 ///
 /// # Errors

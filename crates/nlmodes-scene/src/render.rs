@@ -6,7 +6,7 @@ use crate::{Diagnostic, Mark, Severity, Sources};
 
 /// Most diagnostics that are shown: more are those of a file that is no scene.
 const MOST: usize = 40;
-/// Most letters of a title or a help, which may repeat what stands in the scene.
+/// Most letters of a title or a help, which may repeat what is in the scene.
 const LONGEST: usize = 400;
 
 /// Diagnostics as text, each with the lines that it is about.

@@ -90,7 +90,7 @@ impl<'a> Rule<'a> {
     /// Permitted values of a text, or nothing where any will do.
     pub fn choices(self) -> Vec<&'a str> {
         let listed = |key| self.0.get(key).and_then(Value::as_array).into_iter().flatten();
-        // A single word stands as the pattern of a text that may be a number too.
+        // A single word is the pattern of a text that may be a number too.
         let word = self
             .0
             .get("pattern")
@@ -129,7 +129,7 @@ impl<'a> Rule<'a> {
         self.limit("minLength").is_some_and(|limit| limit > 0.0)
     }
 
-    /// The unit, in front of which stands `lead`; empty where there is none.
+    /// The unit, preceded by `lead`; empty where there is none.
     pub fn unit(self, lead: &str) -> String {
         self.0.get("unit").and_then(Value::as_str).map_or_else(String::new, |unit| format!("{lead}{unit}"))
     }

@@ -17,7 +17,7 @@ pub struct SceneFile<S = Scene> {
     pub document: Document,
     /// Warnings.
     pub warnings: Vec<Diagnostic>,
-    /// Laws of springs that the program gives which computes the scene, by the names under which they stand there.
+    /// Laws of springs that the program gives which computes the scene, by their names in the scene.
     pub functions: BTreeMap<String, Arc<dyn ForceLaw>>,
 }
 

@@ -10,7 +10,7 @@ use serde_json::{Map, Value, json};
 
 use crate::raw::{RawBodiesScene, RawMatrixScene, RawRecordScene, RawReducedScene, RawScene, RawTestScene};
 
-/// JSON schema of a scene of a structure (draft 2020-12), without references. Units stand under the extra key `unit`.
+/// JSON schema of a scene of a structure (draft 2020-12), without references. Units are given by the extra key `unit`.
 pub fn schema() -> Value {
     of_structure().clone()
 }
@@ -129,7 +129,7 @@ fn with_aliases(value: &mut Value) {
     }
 }
 
-/// Takes out `null`, which stands for "left out" in the raw tables and which TOML does not have.
+/// Takes out `null`, which means "left out" in the raw tables and which TOML does not have.
 fn without_null(value: &mut Value) {
     match value {
         Value::Object(object) => {
@@ -146,7 +146,7 @@ fn unwrap_optional(object: &mut Map<String, Value>) {
     if object.contains_key("properties") {
         object.entry("additionalProperties").or_insert(Value::Bool(false));
     }
-    // Where nothing stands if nothing is written, that is no default.
+    // An absent value that means absence is no default.
     if object.get("default").is_some_and(|value| value.is_null() || *value == json!("") || *value == json!([])) {
         object.remove("default");
     }

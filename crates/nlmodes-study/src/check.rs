@@ -39,8 +39,10 @@ pub fn study(
     if let Some(file) = raw.design.as_ref().and_then(|design| design.file.as_ref()) {
         variables = list::variables(&base.join(file), &design, tables.len(), diagnostics).unwrap_or_default();
     } else if tables.is_empty() {
-        let diagnostic = Diagnostic::error("nothing varies")
-            .help("what varies stands under a heading [[vary]]: key = \"contact.0.gap_m\", values = [1e-3, 2e-3]");
+        let diagnostic = Diagnostic::error("nothing varies").help(
+            "what varies is described under a heading [[vary]]: key = \"contact.0.gap_m\", values = [1e-3, \
+                2e-3]",
+        );
         diagnostics.put("vary", diagnostic, "");
     }
     vary::same_lengths(&variables, &design, diagnostics);

@@ -58,7 +58,7 @@ impl Distribution {
     }
 }
 
-/// Mean and standard deviation of a distribution, and the ends of the box that stands for it.
+/// Mean and standard deviation of a distribution, and the ends of the box that represents it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moments {
     /// The mean.

@@ -146,7 +146,7 @@ pub struct Selected {
 }
 
 impl Of {
-    /// Names of what is no column of `branch.csv`, and what it stands for in labels.
+    /// Names of what is no column of `branch.csv`, and what it is called in labels.
     pub const NAMES: [(&'static str, &'static str); 5] = [
         ("peak", "fundamental_m"),
         ("jump_up_hz", "jump_up_hz"),

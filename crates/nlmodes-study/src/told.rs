@@ -58,7 +58,7 @@ impl Display for Statistics {
 }
 
 impl Statistics {
-    /// What is to be said of variables on which the quantity does not depend.
+    /// What is to be reported of variables on which the quantity does not depend.
     pub fn independence(&self) -> Option<String> {
         match (self.does_not_vary, self.does_not_depend_on.as_slice()) {
             (true, _) => Some(

@@ -1,4 +1,4 @@
-//! Whole branches: from a model to modal points along each arm.
+//! Whole branches: from a model to modal points along each half-branch.
 
 mod accuracy;
 mod adaptive;
@@ -29,7 +29,7 @@ mod touching;
 mod trace;
 mod viewer;
 
-/// What a computation is said to be doing while it finds points.
+/// What a computation reports to be doing while it finds points.
 pub const FOLLOWING: &str = "following the branch";
 
 pub use accuracy::{Accuracy, AccuracyReached};

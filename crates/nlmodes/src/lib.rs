@@ -1,4 +1,4 @@
-//! Nonlinear modes of structures that bang against stops.
+//! Nonlinear modes of structures that meet stops.
 //!
 //! A structure, modelled by finite elements, vibrates freely behind one-sided stops:
 //!

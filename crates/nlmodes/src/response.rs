@@ -16,8 +16,8 @@
 //! | detached curve through a phase resonance | Ω | | [`detached_response`] |
 //! | fold, first touch, or mode at an energy over a parameter of the structure | q | Ω, or ω | [`OverParameter`] |
 //!
-//! [`ResponseModel`] puts damping and loads on a structure reduced by [`nlmodes_model::reduction`]. Each analysis gives a
-//! [`ResponseCurve`]: its motions with powers, contacts, stability, what was passed, and why it ended. Curves go
+//! [`ResponseModel`] puts damping and loads on a structure reduced by [`nlmodes_model::reduction`]. Each analysis gives
+//! a [`ResponseCurve`]: its motions with powers, contacts, stability, what was passed, and why it ended. Curves go
 //! through folds and corners, and end at the window: no frequency and no level turns negative. Nothing is printed.
 //!
 //! ```

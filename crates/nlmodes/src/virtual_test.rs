@@ -34,7 +34,7 @@ pub struct BenchPoint {
 /// A stop of a bench.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BenchStop {
-    /// Where it stands.
+    /// Its place.
     pub at: BenchPoint,
     /// On which side.
     pub side: Side,
@@ -159,7 +159,7 @@ impl Bench {
     pub fn controlled_harmonics(&self, harmonics: usize, modes: LinearModes) -> ControlledHarmonics {
         let last = ACCELEROMETERS + self.accelerometers.len();
         let channels = std::iter::once(DRIVE_DISPLACEMENT).chain(ACCELEROMETERS..last);
-        // Behind the accelerometers stands the displacement at the stop.
+        // Behind the accelerometers is the displacement at the stop.
         let channels = channels.chain(self.stop.is_some().then_some(last)).collect();
         ControlledHarmonics { harmonics, modes, channels, drive: 0 }
     }

@@ -10,7 +10,7 @@ function result = run(scene, varargin)
 % the results of another one, 'certify' estimates the errors at more points. Stops are numbered from 0 in keys:
 % 'contact.0.gap_m'.
 %
-% A scene is a TOML file, or a structure with the same tables: scene.structure.length_m = 1. Tables that may stand
+% A scene is a TOML file, or a structure with the same tables: scene.structure.length_m = 1. Tables that may occur
 % several times, such as contact, force or response, are structure arrays or cell arrays. Paths in a structure are
 % relative to the current folder.
 %

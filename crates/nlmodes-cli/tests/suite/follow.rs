@@ -200,7 +200,7 @@ fn where_two_folds_meet_the_curve_turns_and_beyond_it_a_run_has_none() -> Outcom
     assert!(said.contains("turns at 0.00174"), "{said}");
     let folds = |gap: f64| of_run(ROD, &format!("contact.0.gap_m={gap:?}"), "fold").map(|rows| rows.len());
     assert_eq!([folds(0.999 * turn["value"])?, folds(1.001 * turn["value"])?], [2, 0]);
-    // Both arms end at the same value, at the frequencies of the two folds there.
+    // Both half-branches end at the same value, at the frequencies of the two folds there.
     let ends = [&curves[0][0], &curves[0][curves[0].len() - 1]];
     assert!(ends.iter().all(|row| row["value"] == 0.5e-3));
     assert!((ends[0]["frequency_hz"] - ends[1]["frequency_hz"]).abs() > 1.0);

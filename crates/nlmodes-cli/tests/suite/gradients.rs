@@ -51,7 +51,7 @@ fn with_keys(text: &str, keys: &[(&str, f64)]) -> String {
     keys.iter().fold(text.to_owned(), |text, (key, _)| text + &format!("[[sensitivity]]\nkey = \"{key}\"\n"))
 }
 
-/// Runs a scene in a folder of its own; the exit status and what was said.
+/// Runs a scene in a folder of its own; the exit status and what was reported.
 fn call(text: &str, more: &[String]) -> Result<(TempDir, Option<i32>, String), Box<dyn Error>> {
     let folder = tempdir()?;
     let scene = folder.path().join("scene.toml");

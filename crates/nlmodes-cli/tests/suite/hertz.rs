@@ -52,7 +52,7 @@ fn run(folder: &Path, text: &str) -> Result<[Table; 2], Box<dyn Error>> {
 }
 
 /// With the exponent one it is a stop on a spring, which is computed as a contact: the same mode and the same response,
-/// and what is told of the contact.
+/// and what is reported of the contact.
 #[test]
 fn a_stop_with_the_exponent_one_is_the_stop_on_a_spring() -> Outcome {
     let folder = tempdir()?;

@@ -51,7 +51,7 @@ fn a_test_is_planned_from_its_scene() -> Outcome {
     assert!((number(&levels[1], "peak_contact_force_n") - 12.2).abs() < 1.0, "{}", levels[1]);
     let ranges = found["ranges"].as_array().ok_or("no ranges")?;
     let stop = ranges.iter().find(|range| range["channel"] == "x_stop_m").ok_or("no displacement at the stop")?;
-    // The stop stands at 1.03 mm.
+    // The stop is at 1.03 mm.
     assert!((number(stop, "largest") / 1.03e-3 - 1.0).abs() < 0.05 && number(stop, "range") == 2e-3, "{stop}");
     // Linear: the slowest is the structure's own decay, e^{−ζωT} = e^{−2πζ} with 1.9e-3, and a little from the shaker.
     let own = (-TAU * 0.0019_f64).exp();

@@ -214,7 +214,8 @@ fn scipy_reads_the_matlab_file_as_the_tables_are() -> Outcome {
         zip(values, rows))\n\
         \x20 else: assert all((n.isnan(v) and r[key] == '') or v == float(r[key]) for v, r in zip(values, rows)), key\n\
         for key, values in m['contacts'].items():\n\
-        \x20 assert all((n.isnan(v) and r[key] == '') or v == float(r[key]) for v, r in zip(values.ravel(), stops)), key\n\
+        \x20 assert all((n.isnan(v) and r[key] == '') or v == float(r[key]) for v, r in zip(values.ravel(), stops)), \
+        key\n\
         for name, arrays in (('harmonics', h), ('histories', t)):\n\
         \x20 for key in arrays.files:\n\
         \x20   if key != 'dof_kind': assert (m[name][key] == arrays[key]).all(), key\n\

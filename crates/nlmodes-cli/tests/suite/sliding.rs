@@ -46,7 +46,7 @@ fn number(row: &Row, column: &str) -> f64 {
     row.get(column).and_then(|cell| cell.parse().ok()).unwrap_or(f64::NAN)
 }
 
-/// Whether nothing is said of sliding.
+/// Whether nothing is reported of sliding.
 fn is_empty(row: &Row) -> bool {
     ["wear_work_rate_w", "sliding_path_m", "friction_power_w"].iter().all(|column| row[*column].is_empty())
 }

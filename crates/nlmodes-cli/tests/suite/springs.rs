@@ -70,7 +70,8 @@ const BEAM: &str = "[structure]\nkind = \"matrices\"\nstiffness = \"k.mtx\"\nmas
 
 fn with_law(law: &str, end: &str) -> String {
     format!(
-        "{BEAM}[[spring]]\nnode = 19\ndirection = [0.0, 0.0, 1.0]\nlaw = {law}\n[continuation]\nmax_energy_ratio = {end}\n"
+        "{BEAM}[[spring]]\nnode = 19\ndirection = [0.0, 0.0, 1.0]\nlaw = {law}\n[continuation]\nmax_energy_ratio = \
+        {end}\n"
     )
 }
 

@@ -148,7 +148,7 @@ fn a_rod_that_grows_into_its_stop_is_pressed() -> Outcome {
         let rest = &summary["rest"][0];
         assert!((number(&rest["force_n"]) / 4200.0 - 1.0).abs() < 1e-9, "{rest}");
         assert!((number(&rest["free_gap_m"]) / -0.2e-3 - 1.0).abs() < 1e-9, "{rest}");
-        // At rest and at the first point the end stands at its stop, 0.4 mm beyond the drawing.
+        // At rest and at the first point the end is at its stop, 0.4 mm beyond the drawing.
         assert!((rows(&folder)?[0]["peak_m"] / 0.4e-3 - 1.0).abs() < 1e-6);
     }
     Ok(())
@@ -331,7 +331,7 @@ fn a_mode_before_a_stop_without_a_gap_is_that_of_the_branch() -> Outcome {
     Ok(())
 }
 
-/// What does not rest, and what does not fit, is refused where it stands.
+/// What does not rest, and what does not fit, is refused at its place.
 #[test]
 fn loads_that_do_not_fit_are_refused() -> Outcome {
     let free = ROD.replace("start = \"clamped\"", "start = \"free\"");
@@ -467,7 +467,7 @@ fn a_rod_bounces_on_its_end() -> Outcome {
         assert!((number(&summary["rest"][0]["force_n"]) / 7.8 - 1.0).abs() < 1e-9, "{}", summary["rest"]);
         let rows = rows(&folder)?;
         assert!((rows[0]["frequency_hz"] / quarter - 1.0).abs() < 5e-3, "{:?}", rows[0]);
-        // It stands where it falls to, 0.4 mm below the drawing.
+        // It ends where it falls to, 0.4 mm below the drawing.
         assert!((rows[0]["peak_m"] / 0.4e-3 - 1.0).abs() < 1e-6, "{:?}", rows[0]);
         let (_, said) = call("check", &folder.path().join("scene.toml"), &[])?;
         assert!(said.contains("which carry the structure") && said.contains("from lift-off"), "{said}");

@@ -123,7 +123,7 @@ fn a_mesh_of_a_cube_has_the_stress_of_its_strain() -> Outcome {
     for field in ["\"stress\" NumberOfComponents=\"6\"", "\"von_mises\"", "\"principal_stress\""] {
         assert!(frame.contains(field), "{field}");
     }
-    // Three shapes at eight nodes take 1.4 kB: with less memory there is none, which is said.
+    // Three shapes at eight nodes take 1.4 kB: with less memory there is none, which is reported.
     let rows = run(folder.path(), &(text + "stress_memory_gb = 1e-6\n"))?;
     assert!(rows.iter().all(|row| row["stress_pa"].is_empty()), "{rows:?}");
     let summary: serde_json::Value =

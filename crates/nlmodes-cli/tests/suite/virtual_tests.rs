@@ -71,7 +71,7 @@ fn a_test_below_and_above_contact_gives_points_on_the_backbone() -> Outcome {
     });
     let nearest = crossings.map(|hz| (hz - number(above, "frequency_hz")).abs()).fold(f64::INFINITY, f64::min);
     assert!(nearest < 0.03, "{nearest} Hz");
-    // Both backbones stand in the figure beside the measured points (Fig. 8 a).
+    // Both backbones are in the figure beside the measured points (Fig. 8 a).
     let figure = fs::read_to_string(out.path().join("frequency_amplitude.svg"))?;
     for label in ["measured", "computed: HBM, 40 harmonics", "computed: MS-HBM, rigid stop, 40 harmonics"] {
         assert!(figure.contains(label), "{label}");
@@ -152,7 +152,7 @@ fn phase_resonance_of_the_linear_structure_is_where_the_other_modes_put_it() -> 
 fn records_of_a_rigid_stop_give_the_same_point_from_each_format() -> Outcome {
     let out = tempfile::tempdir()?;
     let path = out.path().join("rigid.toml");
-    // Measured frequencies by the keys of the test itself, as they may stand there too.
+    // Measured frequencies by the keys of the test itself, as they may be there too.
     let (head, test) = rigid_test()?;
     fs::write(&path, format!("{head}[virtual_test]\n{MEASURED}{test}"))?;
     let results = out.path().join("results");

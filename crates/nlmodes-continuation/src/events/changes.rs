@@ -14,8 +14,8 @@ const WITHIN: [f64; 3] = [0.25, 0.5, 0.75];
 const HALVINGS: usize = 6;
 
 impl<S: ParametricSystem> Search<'_, S> {
-    /// Where the system passes from one smooth piece to another; beyond the most that are told apart, the last one
-    /// stands for the rest.
+    /// Where the system passes from one smooth piece to another; beyond the most that are distinguished, the last one
+    /// is taken for the rest.
     pub fn pattern_changes(&mut self) -> Vec<Located> {
         let mut found = Vec::new();
         for pair in self.witnesses().windows(2) {

@@ -105,8 +105,8 @@ fn half_branches_of_coupled_cells_are_found_with_exact_and_with_differenced_jaco
     }
 }
 
-/// Of waves around a ring the phase is told by terms whose order is the number of cells, twice that where it is odd; of
-/// twelve they are below rounding near the branch point, and none is claimed.
+/// Of waves around a ring the phase is determined by terms whose order is the number of cells, twice that where it is
+/// odd; of twelve they are below rounding near the branch point, and none is claimed.
 #[test]
 fn no_half_branch_of_a_ring_of_cells_ends_where_it_begins() {
     for (n, known) in [(5, 20), (6, 12), (12, 0)] {

@@ -1,4 +1,4 @@
-//! Crossings of branches, and arms that only come close.
+//! Crossings of branches, and half-branches that only come close.
 
 use std::ops::ControlFlow;
 

@@ -9,8 +9,8 @@ use crate::samples::{events, window};
 
 /// `−v_j + K (v_j)₊^{3/2} = q_j π` for `v = B x/a`, `π = p/b`, as sums of these equations.
 ///
-/// For each π > 0 each `v_j` is either open, `v_j = −q_j π`, or closed, `v_j ≈ (q_j π/K)^{2/3}`: 2ᵏ arms leave the
-/// origin, to none of which a step as short as those that are permitted leads from another one.
+/// For each π > 0 each `v_j` is either open, `v_j = −q_j π`, or closed, `v_j ≈ (q_j π/K)^{2/3}`: 2ᵏ half-branches leave
+/// the origin, to none of which a step as short as those that are permitted leads from another one.
 pub struct Stops {
     count: usize,
     stiffness: f64,

@@ -74,7 +74,7 @@ fn a_piece_that_a_step_enters_and_leaves_again_has_both_its_changes_where_they_a
     }
 }
 
-/// `x = 0.1 (p − ½)₊²`, whose boundary is known; and whether pieces are told without an evaluation.
+/// `x = 0.1 (p − ½)₊²`, whose boundary is known; and whether pieces are known without an evaluation.
 struct Bend {
     is_told: bool,
     piece: u64,
@@ -111,7 +111,7 @@ impl ParametricSystem for Bend {
     }
 }
 
-/// Where pieces are told at no expense no point is evaluated to see whether the pattern changes before the boundary.
+/// Where pieces are known at no expense no point is evaluated to see whether the pattern changes before the boundary.
 #[test]
 fn a_system_that_tells_its_pieces_is_evaluated_less_often_for_the_same_change() {
     for start in 0..20 {

@@ -124,7 +124,7 @@ fn check<S: ParametricSystem<Error = Infallible>>(settings: &Continuation, syste
         assert_eq!(seen, expected.points, "each point is shown once");
         assert_eq!(log.runs, whole.runs);
         if steps == whole.steps() {
-            // One for each point and each arm, to see that they solve the equations.
+            // One for each point and each half-branch, to see that they solve the equations.
             let arms: usize = expected.crossings.iter().map(|crossing| crossing.arms.len()).sum();
             let (known, count) = (expected.points.len() + arms, count.get());
             assert!(count < known + 5, "{count} evaluations for a branch of {known} points that are known");
@@ -318,7 +318,7 @@ fn damages() -> Vec<Damage> {
     ]
 }
 
-/// A file may have been altered: the run repeats what stands before that, and takes the rest anew.
+/// A file may have been altered: the run repeats what precedes that, and takes the rest anew.
 #[test]
 fn from_a_step_on_that_cannot_be_one_a_run_is_computed_again() {
     let pitchfork = || smooth(|x: f64, p: f64| [x * (p - x * x), p - 3.0 * x * x, x]);

@@ -99,8 +99,8 @@ pub fn events(branch: &Branch, is: impl Fn(&EventKind) -> bool) -> Vec<&BranchPo
     branch.points.iter().filter(|q| q.events.iter().any(&is)).collect()
 }
 
-/// That the residual is small everywhere, that no event is told twice, and that consecutive points are no further apart
-/// than a step.
+/// That the residual is small everywhere, that no event is reported twice, and that consecutive points are no further
+/// apart than a step.
 pub fn assert_sound(branch: &Branch, settings: &Continuation) {
     for q in &branch.points {
         assert!(q.residual <= 1e-10, "residual {:e} at {:?}", q.residual, q.z());

@@ -1,4 +1,4 @@
-//! What was seen is told, also where it cannot be located, and no bound is passed.
+//! What was seen is reported, also where it cannot be located, and no bound is passed.
 
 use std::convert::Infallible;
 use std::ops::ControlFlow;
@@ -192,7 +192,7 @@ fn a_bound_behind_a_corner_is_met_where_the_corner_is_not_at_zero() {
     }
 }
 
-/// `x (p + x²) = 0`: on the arm to which the branch changes the parameter goes back.
+/// `x (p + x²) = 0`: on the half-branch to which the branch changes the parameter goes back.
 #[test]
 fn a_branch_that_leaves_by_an_arm_on_which_the_parameter_turns_has_a_fold_at_the_crossing() {
     let f = |x: f64, p: f64| [x * (p + x * x), p + 3.0 * x * x, x];

@@ -47,7 +47,7 @@ fn along_zero<S: ParametricSystem<Error = Infallible>>(settings: &Continuation, 
     settings.run(&mut system, &vec![0.0; n], from, &direction, |_| ControlFlow::Continue(())).unwrap()
 }
 
-/// Arms of the cubic normal form but for the way back: each unknown is zero or one of two, and zero goes on.
+/// Half-branches of the cubic normal form but for the way back: each unknown is zero or one of two, and zero goes on.
 fn n_onward(n: u32) -> usize {
     3_usize.pow(n)
 }
@@ -129,7 +129,7 @@ fn double_branch_points_of_a_square_are_found_on_all_grids() {
                     "m = {m}: {found:?} {double}"
                 );
                 // Two modes and both their sums and differences, each with two signs, and the branch itself; twice as
-                // many arms on a ring of eight nodes.
+                // many half-branches on a ring of eight nodes.
                 let expected = if m == 3 { 17 } else { 9 };
                 let crossing = &branch.crossings[1];
                 assert_eq!((crossing.arms.len(), crossing.kernel), (expected, 3), "m = {m}, from {share}");
@@ -139,14 +139,16 @@ fn double_branch_points_of_a_square_are_found_on_all_grids() {
     }
 }
 
-/// Units of unknowns, parameter and residual, and whether all arms must be found in them.
+/// Units of unknowns, parameter and residual, and whether all half-branches must be found in them.
 const UNITS: [([f64; 3], bool); 4] =
     [([1.0, 1.0, 1.0], true), ([0.5, 0.5, 16.0], true), ([2.0, 4.0, 1e6], false), ([0.01, 1e3, 1e6], false)];
 
 /// The motions of 3 × 3 nodes that are odd about the middle one are those of the ring of the other eight, which are
-/// alike: what is symmetric under an eighth of a turn has 16 arms, and only terms of seventh order tell them apart.
+/// alike: what is symmetric under an eighth of a turn has 16 half-branches, and only terms of seventh order tell them
+/// apart.
 ///
-/// Where lengths are in such units that these are below rounding at all distances, it is said that some are missing.
+/// Where lengths are in such units that these are below rounding at all distances, it is reported that some are
+/// missing.
 #[test]
 fn all_arms_of_the_double_point_of_nine_nodes_are_found_from_any_start() {
     let half = 0.5_f64.sqrt();

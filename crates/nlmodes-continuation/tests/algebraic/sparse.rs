@@ -1,4 +1,4 @@
-//! The same branches with the sparse solver: points, events and arms must be those of the dense one.
+//! The same branches with the sparse solver: points, events and half-branches must be those of the dense one.
 
 use std::ops::ControlFlow;
 
@@ -28,7 +28,7 @@ impl<S: ParametricSystem> ParametricSystem for Sparse<S> {
         assert!(out.entries.is_empty() && out.jacobian.nrows() == 0);
         for j in (0..=x.len()).rev() {
             let column = full.jacobian.col(j).iter().enumerate().filter(|(_, value)| **value != 0.0);
-            // In halves: what stands at one place is added.
+            // In halves: what is at one place is added.
             out.entries.extend(column.flat_map(|(i, value)| [(i, j, 0.25 * value), (i, j, 0.75 * value)]));
         }
         Ok(())

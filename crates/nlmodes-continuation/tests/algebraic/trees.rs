@@ -1,4 +1,4 @@
-//! Branches from every arm of a crossing, each once.
+//! Branches from every half-branch of a crossing, each once.
 
 use std::ops::ControlFlow;
 
@@ -27,7 +27,7 @@ fn tree<S: ParametricSystem>(settings: &Continuation, mut system: S, from: [f64;
     tree
 }
 
-/// Ends of the branches of a tree, as `(x, p)`, and that each one stands behind its origin.
+/// Ends of the branches of a tree, as `(x, p)`, and that each one follows its origin.
 fn ends(tree: &BranchTree) -> Vec<[f64; 2]> {
     for (number, b) in tree.branches.iter().enumerate() {
         assert_eq!(b.origin.is_none(), number == 0);

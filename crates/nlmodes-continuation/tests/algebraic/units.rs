@@ -271,7 +271,7 @@ fn sizes_that_are_given_are_used_and_wrong_ones_refused() {
     assert!(run(system(vec![1.0, 1.0], vec![f64::NAN])).is_err());
 }
 
-/// Keeps the points that it is told.
+/// Keeps the points of which it is notified.
 struct Told(InUnits<Curve>, Vec<[f64; 2]>);
 
 impl ParametricSystem for Told {

@@ -12,7 +12,7 @@ use crate::extraction::Finding;
 use crate::extraction::scale::likely_unit;
 use crate::records::Channel;
 
-/// Factor between the shift of the frequency and the force at the stop that is told.
+/// Factor between the shift of the frequency and the force at the stop that is reported.
 const SHIFT: f64 = 1.3;
 /// Standard error of a squared eigenfrequency, relative.
 const EIGENVALUE: f64 = 0.004;
@@ -20,7 +20,7 @@ const EIGENVALUE: f64 = 0.004;
 const SIGNIFICANT: f64 = 3.0;
 /// Relative error up to which a factor is one.
 const KNOWN: f64 = 0.5;
-/// Power of the force over what damping ratios and stop take that is told, above it and below its inverse.
+/// Power of the force over what damping ratios and stop take that is reported, above it and below its inverse.
 const POWER: f64 = 1.7;
 /// Error of the phase of the force at the stop, rad.
 const PHASE: f64 = 0.02;
@@ -177,7 +177,7 @@ mod tests {
             // Beside the mode's own frequency the shift is within its error.
             assert!(factors(100.5, size, Some(2.0), 1.0, false).is_empty());
             assert!(factors(100.5, size, Some(0.0), 1.0, false).is_empty());
-            // Three times its error is told: 0.0115 of the squared frequency is less, 0.0131 more.
+            // Three times its error is reported: 0.0115 of the squared frequency is less, 0.0131 more.
             assert!(factors(100.6, size, Some(0.05), 1.0, false).is_empty());
             assert_eq!(factors(100.7, size, Some(0.05), 1.0, false).len(), 1);
         }

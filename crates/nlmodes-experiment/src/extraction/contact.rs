@@ -23,20 +23,20 @@ const RESTING: f64 = 4.0;
 const OFTEN: f64 = 0.3;
 /// Blocks below which their scatter tells little.
 const FEW: f64 = 6.0;
-/// Share of its peak from which on such a level is told.
+/// Share of its peak from which on such a level is reported.
 const OFFSET: f64 = 0.02;
 
 /// Share of the peak above which samples count for the stiffness: below, the contact is only beginning.
 const PRESSED: f64 = 0.1;
 /// Exponents of a force that is no spring's: from a contact that stiffens, as Hertz's, to a cell that saturates.
 const SPRING: std::ops::Range<f64> = 0.86..1.16;
-/// Distance of the stop from where it is declared, over the gap, that is told.
+/// Distance of the stop from where it is declared, over the gap, that is reported.
 const GAP: f64 = 0.02;
-/// Drift of a displacement over its root mean square that is told.
+/// Drift of a displacement over its root mean square that is reported.
 const DRIFTS: f64 = 5e-3;
 /// Samples of a contact from which on it shows how the stop yields.
 const LASTS: f64 = 12.0;
-/// Share of the closed time by which a force must be late to be told.
+/// Share of the closed time by which a force must be late to be reported.
 const LATE: f64 = 0.01;
 /// Standard errors within which the force begins at the declared gap.
 const SURE: f64 = 3.0;

@@ -6,11 +6,11 @@ use crate::extraction::loss::least_squares;
 use crate::extraction::measured::wrapped;
 use crate::extraction::{Finding, Tolerances};
 
-/// Standard errors that a drift must exceed to be told.
+/// Standard errors that a drift must exceed to be reported.
 const SIGNIFICANT: f64 = 5.0;
 /// Steps to the phase of a block.
 const STEPS: usize = 2;
-/// Share of the force's power from which on that of growth or decay is told.
+/// Share of the force's power from which on that of growth or decay is reported.
 const SMALL: f64 = 0.1;
 
 /// Fundamental of the reference over the blocks.

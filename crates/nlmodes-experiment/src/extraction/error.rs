@@ -24,7 +24,7 @@ pub enum ExtractionError {
         channel: String,
     },
     /// The harmonics cannot be separated.
-    #[error("{harmonics} harmonics of {frequency_hz:.6} Hz cannot be told apart in {samples} samples")]
+    #[error("{harmonics} harmonics of {frequency_hz:.6} Hz cannot be distinguished in {samples} samples")]
     Harmonics {
         /// Number of harmonics.
         harmonics: usize,

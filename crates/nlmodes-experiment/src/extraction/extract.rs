@@ -28,7 +28,7 @@ const CONTACT_SAMPLES: usize = 1 << 19;
 const RESONANCE_DEG: f64 = 90.0;
 /// Scatter of the fundamental from period to period, over its size, from which on a vibration has no frequency.
 const SCATTERED: f64 = 0.25;
-/// Standard errors by which the two frequencies must differ to be told.
+/// Standard errors by which the two frequencies must differ to be reported.
 const SIGNIFICANT: f64 = 5.0;
 
 /// Turns a record into a point of a nonlinear mode.
@@ -40,7 +40,7 @@ const SIGNIFICANT: f64 = 5.0;
 /// of the mean of its values in single periods, with what the sampling rate leaves open.
 ///
 /// # Errors
-/// [`ExtractionError`] if no frequency is found, or with the finding that stands in the way. What does not is in the
+/// [`ExtractionError`] if no frequency is found, or with the finding that prevents it. Findings that do not are in the
 /// result.
 pub fn extract(record: &Record, settings: &ExtractionSettings) -> Result<RecordExtraction, ExtractionError> {
     check(settings)?;

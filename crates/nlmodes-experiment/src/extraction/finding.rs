@@ -2,7 +2,7 @@ mod words;
 
 use crate::records::Remark;
 
-/// What a careful experimenter wants to be told about a record, with its number.
+/// What a careful experimenter wants to know about a record, with its number.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Finding {
@@ -252,7 +252,7 @@ pub enum Finding {
     },
     /// Samples that the recorder lost, or has twice.
     LostSamples {
-        /// How many, but for whole periods; negative where samples stand twice.
+        /// How many, but for whole periods; negative where samples occur twice.
         samples: f64,
         /// They are lost behind this sample, from 0 …
         from: usize,

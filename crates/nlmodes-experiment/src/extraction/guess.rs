@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use nlmodes_modal::HarmonicBasis;
 
-/// Lines stand out that are so many times the lower fifth of the spectrum: twelve times the median of noise.
+/// Lines count that are so many times the lower fifth of the spectrum: twelve times the median of noise.
 const STANDS_OUT: f64 = 21.0;
 
 /// Fewest periods of a record in which a line is one.
@@ -40,7 +40,7 @@ impl Spectrum {
     }
 
     /// Frequency of the largest peak among these lines, in cycles a sample, after `order` integrations in time; `None`
-    /// where there is none. With `other` only peaks count that stand out of the noise of both.
+    /// where there is none. With `other` only peaks count that exceed the noise of both.
     pub fn peak(&self, lines: Range<usize>, order: u32, other: Option<&Self>) -> Option<f64> {
         let weighted = |k: usize| self.size[k] / (k as f64).powi(order as i32);
         let counts = |k: &usize| match other {

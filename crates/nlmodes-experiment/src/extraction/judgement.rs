@@ -14,12 +14,12 @@ use crate::extraction::window::Window;
 use crate::extraction::{ContactFigures, ExtractionSettings, Finding, Measured, quadrature};
 use crate::records::{Quantity, Record};
 
-/// Distance of the stop from where it is declared, over gap or motion, that is told.
+/// Distance of the stop from where it is declared, over gap or motion, that is reported.
 const GAP: f64 = 0.5;
 /// Share of the gap up to which a motion surely does not touch.
 const SURELY_OPEN: f64 = 0.95;
-/// Factor between the frequency and that of the nearest linear mode that is told: a stop raises it to its double, two
-/// stops further.
+/// Factor between the frequency and that of the nearest linear mode that is reported: a stop raises it to its double,
+/// two stops further.
 const FAR: f64 = 3.0;
 
 /// What is judged.

@@ -22,7 +22,7 @@ const EXPLAINS: f64 = 0.35;
 pub struct Loss {
     /// The samples among which they are lost, two blocks.
     pub place: std::ops::Range<usize>,
-    /// How many, but for whole periods; negative where samples stand twice.
+    /// How many, but for whole periods; negative where samples occur twice.
     pub samples: f64,
 }
 

@@ -30,7 +30,7 @@ pub struct RecordExtraction {
     pub contact: Option<ContactFigures>,
     /// The same from the balance of the linear modes, without the force that was measured.
     pub balance: Option<BalanceFigures>,
-    /// What a careful experimenter wants to be told.
+    /// What a careful experimenter wants to know.
     pub findings: Vec<Finding>,
 }
 

@@ -6,7 +6,7 @@ use crate::extraction::Finding;
 use crate::extraction::consensus::{Common, Consensus};
 use crate::records::{Channel, Quantity};
 
-/// Deviations that are told, over what both sides may be off.
+/// Deviations that are reported, over what both sides may be off.
 const SIGNIFICANT: f64 = 4.0;
 /// Factors within which scales agree.
 const SAME_SCALE: f64 = 1.25;

@@ -1,4 +1,4 @@
-//! Stretches of a long record in which a level is held.
+//! Intervals of a long record in which a level is held.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -42,7 +42,7 @@ impl Default for Steadiness {
 /// of the frequency.
 type Shown = [f64; 4];
 
-/// The stretches of a record, as ranges of its samples, in which force, motion, the lag between them and the frequency
+/// The intervals of a record, as ranges of its samples, in which force, motion, the lag between them and the frequency
 /// are steady; in their order, without the ramps between them. Without a force the motion alone counts.
 ///
 /// # Errors

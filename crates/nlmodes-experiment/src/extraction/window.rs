@@ -18,7 +18,7 @@ pub const FREQUENCY_HARMONICS: usize = 40;
 const AROUND: f64 = 1.2;
 /// Factor about the frequency of the linear mode within which that of its nonlinear mode is searched first.
 const FAR: f64 = 3.0;
-/// Samples of a stretch of a long record by which its frequency is first guessed.
+/// Samples of an interval of a long record by which its frequency is first guessed.
 const STRETCH: usize = 1 << 18;
 /// Most places at which lost samples are looked for.
 const MAX_LOSSES: usize = 4;
@@ -44,7 +44,7 @@ impl Window {
         &samples[self.first..self.first + self.n_samples]
     }
 
-    /// Highest harmonic that the sampling rate carries: its mirror image about half the rate must be told apart from
+    /// Highest harmonic that the sampling rate carries: its mirror image about half the rate must be distinguished from
     /// it.
     pub fn nyquist_harmonics(&self, sample_rate: f64) -> usize {
         let half = 0.5 * sample_rate * TAU / self.omega;
@@ -78,7 +78,7 @@ pub fn choose(
     let samples = &samples[sound.clone()];
     let omega = find(samples, omega, rate).unwrap_or(omega);
     let periods = samples.len() as f64 / rate * omega / TAU;
-    // The last sample of a record of whole periods stands one interval before their end.
+    // The last sample of a record of whole periods is one interval before their end.
     let whole = (periods + 1e-6 + 0.5 * omega / rate / TAU) as usize;
     let wanted = settings.periods.unwrap_or(whole).max(FEWEST_PERIODS);
     if whole < FEWEST_PERIODS {

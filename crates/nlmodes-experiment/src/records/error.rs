@@ -126,7 +126,7 @@ pub enum RecordError {
     },
     /// Several columns have this name.
     #[error(
-        "\"{name}\" stands for {count} columns of the file; name one by a name of its own; the file has: {columns}"
+        "\"{name}\" is the name of {count} columns of the file; name one by a name of its own; the file has: {columns}"
     )]
     Ambiguous {
         /// The name.

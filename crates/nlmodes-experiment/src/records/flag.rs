@@ -16,8 +16,8 @@ pub struct Flag {
 }
 
 impl Flag {
-    /// The stretches of a recorded flag: where its size is a twentieth of the largest one or more. Where it changes
-    /// without becoming zero, as the number of a level does, another stretch begins.
+    /// The intervals of a recorded flag: where its size is a twentieth of the largest one or more. Where it changes
+    /// without becoming zero, as the number of a level does, another interval begins.
     pub fn new(name: impl Into<String>, values: &[f64]) -> Self {
         let largest = values.iter().filter(|x| x.is_finite()).fold(0.0, |m: f64, x| m.max(x.abs()));
         let mut stretches: Vec<Range<usize>> = Vec::new();

@@ -76,7 +76,7 @@ fn names(found: &RecordExtraction) -> Vec<&'static str> {
     found.findings.iter().map(Finding::name).filter(|name| *name != "not-locked").collect()
 }
 
-/// What is said of the contact of this record without any disturbance.
+/// What is reported of the contact of this record without any disturbance.
 fn usual(number: usize) -> &'static [&'static str] {
     if number == 2 { &["contact-curved"] } else { &[] }
 }
@@ -436,7 +436,7 @@ fn clean_records_of_other_structures_have_no_findings() {
         let stop = Some(Stop { position: support::POSITIONS[3], gap, positive: true });
         let settings = ExtractionSettings { linear_modes: Some(modes), stop, ..ExtractionSettings::default() };
         let found = extract(&record, &settings).unwrap();
-        // The loop does not hold all of them: those are said to be so.
+        // The loop does not hold all of them: those are reported as not held.
         if !names(&found).contains(&"aperiodic") {
             assert_eq!(names(&found), [""; 0], "{number}: {:?}", found.findings);
             judged += 1;

@@ -13,7 +13,7 @@ use super::structure::ModalStructure;
 use super::system::{PeriodicSettings, PeriodicSystem};
 use crate::{HbmError, Scales, Symmetry};
 
-/// The unknowns that stand for the linear structure.
+/// The unknowns that represent the linear structure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Coordinates {
     /// Motions of the contacts where these are fewer than the modes, no modes are coupled and no two of them can be
@@ -207,8 +207,8 @@ impl PeriodicSystem {
     }
 
     /// A mode or a phase resonance at its parameter zero, the new parameter being how far gaps are opened, in units of
-    /// `opening` (m, c): the way to motions before contacts that touch at rest, from those before contacts that stand
-    /// back.
+    /// `opening` (m, c): the way to motions before contacts that touch at rest, from those before contacts that are
+    /// set back.
     ///
     /// ```text
     /// R(x; g₀ + s o) = 0 ,   s from 1 to 0

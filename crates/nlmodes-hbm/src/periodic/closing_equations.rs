@@ -66,12 +66,12 @@ pub trait ClosingEquation: Send {
         false
     }
 
-    /// Told of every point that is evaluated, before it is.
+    /// Notified of every point that is evaluated, before it is.
     fn approached(&mut self, x: &[f64], series: RealSeries) {
         let _ = (x, series);
     }
 
-    /// Told of every point from which the branch goes on.
+    /// Notified of every point from which the branch goes on.
     fn accepted(&mut self, x: &[f64], series: RealSeries) {
         let _ = (x, series);
     }
@@ -139,8 +139,8 @@ impl ClosingEquation for AtZero {
     }
 }
 
-/// `Σ n (c_n s̄_n − s_n c̄_n) = 0`: the phase of the last accepted point is held, and before any is accepted that of the
-/// one evaluated first.
+/// `Σ n (c_n s̄_n − s_n c̄_n) = 0`: the phase of the last accepted point is held, and before any is accepted that of
+/// the one evaluated first.
 #[derive(Debug, Clone, Default)]
 pub struct PhaseCondition {
     weights: Vec<f64>,

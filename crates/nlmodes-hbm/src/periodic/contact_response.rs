@@ -470,9 +470,9 @@ impl ContactResponse {
 /// Size of the row of the mode apart below which it is rounding.
 const SMALLEST_ROW: f64 = 1e-9;
 
-/// What is large for the first row of `L`, by which harmonics without contact are held: `D_p/ρ` itself, or what a change
-/// of `ν²` by its own size makes of it where it vanishes, in resonance. Beside a contact that is much stiffer than the
-/// structure both are small.
+/// What is large for the first row of `L`, by which harmonics without contact are held: `D_p/ρ` itself, or what a
+/// change of `ν²` by its own size makes of it where it vanishes, in resonance. Beside a contact that is much stiffer
+/// than the structure both are small.
 fn size_of_row(stiffness: f64, nu: f64, rho2: f64) -> f64 {
     ((stiffness + nu * nu) / rho2.sqrt()).clamp(SMALLEST_ROW, 1.0)
 }

@@ -22,8 +22,8 @@ impl ModalStructure {
     /// before, rigid or elastic, does not count. While its contact is open it comes back to its place.
     ///
     /// # Errors
-    /// [`HbmError::Size`] for a contact that does not exist or stands twice, [`HbmError::NotFinite`] for a spring or a
-    /// damper that is not a positive number, or [`HbmError::Compliance`] where the contact has no flexibility of its
+    /// [`HbmError::Size`] for a contact that does not exist or is given twice, [`HbmError::NotFinite`] for a spring or
+    /// a damper that is not a positive number, or [`HbmError::Compliance`] where the contact has no flexibility of its
     /// own.
     pub fn with_damped_stops(&self, stops: &[DampedStop]) -> Result<Self, HbmError> {
         let (m, c, n) = (self.n_modes(), self.n_contacts(), stops.len());

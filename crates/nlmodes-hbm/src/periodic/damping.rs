@@ -16,7 +16,7 @@ impl ModalDamping {
         Self::Diagonal(vec![0.0; modes])
     }
 
-    /// Damping ratios `ζ_k` mode by mode; the last one goes on for all modes behind it, none of them stands for no
+    /// Damping ratios `ζ_k` mode by mode; the last one goes on for all modes behind it, an empty list means no
     /// damping.
     pub fn ratios(omega_squared: &[f64], ratios: &[f64]) -> Self {
         let last = ratios.last().copied().unwrap_or(0.0);

@@ -29,7 +29,7 @@ pub struct Load {
     steady: Vec<f64>,
     /// Level of the terms and what opens the gaps, m, c, where the level of the motion is that of the opening.
     opening: Option<(f64, Vec<f64>)>,
-    /// What a parameter of the structure does to each harmonic, where derivatives by the level stand for those by it.
+    /// What a parameter of the structure does to each harmonic, where derivatives by the level represent those by it.
     varied: Option<Arc<Vec<VariedHarmonic>>>,
 }
 

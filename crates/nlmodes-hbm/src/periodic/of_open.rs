@@ -7,8 +7,8 @@ use super::structure::ModalStructure;
 use crate::HbmError;
 
 impl ModalStructure {
-    /// The structure that was reduced to its open modes, with this damping. Rigid-body motions that no contact feels are
-    /// never pushed by one.
+    /// The structure that was reduced to its open modes, with this damping. Rigid-body motions that no contact feels
+    /// are never pushed by one.
     ///
     /// # Errors
     /// As [`ModalStructure::new`] and [`with_steady_force`](Self::with_steady_force).

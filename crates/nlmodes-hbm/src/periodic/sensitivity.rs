@@ -166,7 +166,7 @@ impl PeriodicSystem {
         Known { at, motion, jacobian, amplitude }
     }
 
-    /// `∂R/∂p`: the derivative by the level of the same equations under a load that stands for the parameter.
+    /// `∂R/∂p`: the derivative by the level of the same equations under a load that represents the parameter.
     fn parameter(
         &mut self,
         x: &[f64],

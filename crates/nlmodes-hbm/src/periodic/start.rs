@@ -23,11 +23,11 @@ pub struct Grazing {
     pub energy: f64,
     /// The contact that grazes.
     pub contact: usize,
-    /// What a length near one means for the contacts, m: the largest amplitude of one; of a stop that is about to be left,
-    /// at least the static motion of its contact by that energy.
+    /// What a length near one means for the contacts, m: the largest amplitude of one; of a stop that is about to be
+    /// left, at least the static motion of its contact by that energy.
     pub length: f64,
-    /// By how much contacts that touch at rest stand back, m, c: a little beyond what the mode moves them. Zero for all
-    /// others.
+    /// By how much contacts that touch at rest are set back, m, c: a little beyond what the mode moves them. Zero for
+    /// all others.
     pub opening: Vec<f64>,
     /// The contact presses at rest, and is about to be left.
     pub lifts_off: bool,
@@ -64,8 +64,8 @@ const RIGID: f64 = 1e-9;
 /// Squared open frequency, over the largest, up to which it is rounding.
 pub(crate) const STRAINLESS: f64 = 64.0 * f64::EPSILON;
 
-/// Of contacts that touch at rest, their distance over the amplitude of the mode before which they stand back: nothing
-/// touches there, also by rounding.
+/// Of contacts that touch at rest, their distance over the amplitude of the mode before which they are set back:
+/// nothing touches there, also by rounding.
 const CLEAR: f64 = 1.1;
 
 /// A mode about rest as the contacts feel it.
@@ -117,7 +117,7 @@ pub fn modal_lift_off(structure: &ModalStructure, at: ModeAtRest<'_>) -> Result<
     unless_touching(structure, modal_lift_off_opened(structure, at, 1.0)?)
 }
 
-/// As [`modal_lift_off`], also where contacts touch at rest without force: these stand back by
+/// As [`modal_lift_off`], also where contacts touch at rest without force: these are set back by
 /// [`Grazing::opening`].
 ///
 /// The motion has half the amplitude at which another contact would change its state, and where there is no such
@@ -249,7 +249,7 @@ impl Grazing {
     }
 
     /// Whether contacts touch at rest without force: the nonlinear mode then is nowhere linear, and this is the motion
-    /// before contacts that stand back.
+    /// before contacts that are set back.
     pub fn touches_at_rest(&self) -> bool {
         self.opening.iter().any(|by| *by > 0.0)
     }

@@ -106,9 +106,9 @@ impl ModalStructure {
         Ok(structure)
     }
 
-    /// The same undamped structure whose flexibility beyond the modes answers in harmonics, as its modes do, not at each
-    /// instant: with `A = Σ_r v_r v_rᵀ`, coordinates `s_r = v_rᵀ λ` without mass stand behind the modes, and open the gaps
-    /// by `v_r`. A displacement that goes with `A` is in harmonics either way.
+    /// The same undamped structure whose flexibility beyond the modes answers in harmonics, as its modes do, not at
+    /// each instant: with `A = Σ_r v_r v_rᵀ`, coordinates `s_r = v_rᵀ λ` without mass follow the modes, and open the
+    /// gaps by `v_r`. A displacement that goes with `A` is in harmonics either way.
     ///
     /// # Errors
     /// [`HbmError::Linalg`], or [`HbmError::Compliance`] where a stop has no compliance of its own.

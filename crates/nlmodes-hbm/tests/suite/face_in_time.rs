@@ -89,7 +89,7 @@ impl InTime {
         let flexibility = inverse(&FACE);
         let of_set = |set: u8| {
             let is_in = |i: usize| set & (1 << i) != 0;
-            // Ones on the diagonal stand for the contacts that are open.
+            // Ones on the diagonal represent the contacts that are open.
             let rows = [0, 1, 2].map(|i| {
                 [0, 1, 2].map(|j| match (is_in(i) && is_in(j), i == j) {
                     (true, _) => flexibility[i][j],

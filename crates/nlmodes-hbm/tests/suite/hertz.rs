@@ -15,7 +15,7 @@ use num_complex::Complex64;
 use crate::support::modal::{Open, newton, settings, solver, worst_column};
 use crate::support::{on_springs, rod};
 
-/// One mass on a spring of this squared frequency, before laws; those that are stops stand on the positive side, with
+/// One mass on a spring of this squared frequency, before laws; those that are stops are on the positive side, with
 /// a sign on the negative one.
 fn oscillator(omega_squared: f64, ratio: f64, laws: &[(f64, Arc<dyn ForceLaw>)]) -> ModalStructure {
     let damping = ModalDamping::ratios(&[omega_squared], &[ratio]);

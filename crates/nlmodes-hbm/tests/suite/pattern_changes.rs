@@ -29,8 +29,8 @@ fn changes(ea: f64, rho_a: f64, length: f64, gap: f64, longest: f64) -> Vec<f64>
     branch.points.iter().filter(|q| q.p > 1e-3 && q.events.iter().any(is_change)).map(|q| q.p).collect()
 }
 
-/// On the way back from the tip of its tongue a step of usual length enters and leaves a piece on which the contact
-/// closes three times a period.
+/// On the way back from the tip of its internal-resonance branch a step of usual length enters and leaves a piece on
+/// which the contact closes three times a period.
 #[test]
 fn a_pattern_that_lasts_for_less_than_a_step_is_seen_as_with_short_steps() {
     // Over that at grazing energies are the same in all units.

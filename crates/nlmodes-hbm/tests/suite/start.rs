@@ -61,7 +61,7 @@ fn a_pressed_mode_that_leaves_its_stop_alone_names_the_next_one_that_lifts_off()
     assert!(said.contains("never lifts off") && said.contains("the next one that does is mode 3"), "{said}");
 }
 
-/// The mode touches the stop that it meets first once a period and comes no further at any other; nothing stands back.
+/// The mode touches the stop that it meets first once a period and comes no further at any other; none is set back.
 #[test]
 fn a_mode_at_grazing_just_touches_the_stop_that_it_meets_first() {
     let stops = [(6, Side::Positive, 0.05), (3, Side::Negative, 0.01), (4, Side::Positive, 0.2)];

@@ -248,7 +248,7 @@ fn triangles(lines: &Lines, form: u64, kind: u64) -> Result<Triangles> {
         return Err(lines.error(Problem::Refused {
             found: format!("numbers of type {kind}"),
             expected: "type 1 or 2, real numbers",
-            reason: "complex matrices hold damping, which stands elsewhere",
+            reason: "complex matrices hold damping, which is given elsewhere",
         }));
     }
     match form {

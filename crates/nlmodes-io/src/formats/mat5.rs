@@ -222,7 +222,7 @@ impl Mat<'_> {
         let place = || Place::Part(name.to_owned());
         if head.complex {
             let found = "complex numbers".to_owned();
-            let reason = "mass and stiffness are real; damping stands elsewhere";
+            let reason = "mass and stiffness are real; damping is given elsewhere";
             let problem = Problem::Refused { found, expected: "real numbers", reason };
             return Err(ReadError::new(self.path, place(), problem));
         }

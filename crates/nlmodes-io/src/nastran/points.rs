@@ -212,8 +212,8 @@ impl Points {
             return Err(ReadError::whole(path, Problem::Expected { expected, found }));
         };
         if !within.insert(number) || within.len() > DEEPEST {
-            let expected = "coordinate systems that stand in others, and at last in the basic one";
-            return Err(wrong(path, system.line, expected, format!("system {number}, which stands in itself")));
+            let expected = "coordinate systems that are defined in others, and at last in the basic one";
+            return Err(wrong(path, system.line, expected, format!("system {number}, which is defined in itself")));
         }
         let [origin, axis, plane] = match &system.definition {
             Definition::Places { reference: 0, places } => *places,
@@ -398,6 +398,6 @@ mod tests {
             "CORD2R,1,2,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\nCORD2R,2,1,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\nGRID,1,1,0.,0.,0.\n",
         );
         let refused = circle.unplaced.unwrap().to_string();
-        assert!(refused.contains("which stands in itself"), "{refused}");
+        assert!(refused.contains("which is defined in itself"), "{refused}");
     }
 }

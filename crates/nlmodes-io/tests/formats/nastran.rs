@@ -34,7 +34,8 @@ const AROUND: &str = "$TITLE   = BEAM\nASSIGN OUTPUT2='x.op2'\nSOL 103\nCEND\nK2
                       DTI,TUG1,0,1,2,3,4,5,6,+\n+,7,ENDREC\nPLOTEL  1       10      20\n\
                       QSET1   0       900     THRU    950\n\
                       SPOINT  901     THRU    920\nGRID          10              0.      0.     0.5\n\
-                      GRID*                 20                              1.              0.\n*                    0.5\n\
+                      GRID*                 20                              1.              0.\n*                    \
+                      0.5\n\
                       MAT1*                  1     2.1000E+11                            0.3*\n\
                       *                   7850.\nRBE2    5       10      123456  20\n";
 

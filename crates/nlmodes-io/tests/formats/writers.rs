@@ -78,7 +78,8 @@ pub fn harwell_boeing(lower: &[Entry]) -> String {
     let numbers = lower.iter().map(|e| format!("{:>25}", exponent(e.2, 17).replace('e', "D")));
     let (v, values) = lines(numbers.collect(), 3);
     format!(
-        "{:<72}{:<8}\n{:>14}{p:>14}{r:>14}{v:>14}{:>14}\nRSA           {N:>14}{N:>14}{:>14}{:>14}\n{:<16}{:<16}{:<20}{:<20}\n{pointers}{rows}{values}",
+        "{:<72}{:<8}\n{:>14}{p:>14}{r:>14}{v:>14}{:>14}\nRSA           \
+        {N:>14}{N:>14}{:>14}{:>14}\n{:<16}{:<16}{:<20}{:<20}\n{pointers}{rows}{values}",
         "Stiffness matrix",
         "STIFF",
         p + r + v,

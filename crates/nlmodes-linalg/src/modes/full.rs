@@ -13,8 +13,8 @@ const WEIGHTLESS: f64 = 1e-12;
 
 /// With `K + sM = L Lᵀ`: the `count` largest eigenvalues of `L⁻¹ M L⁻ᵀ`, whose eigenvectors `u` give `φ = L⁻ᵀ u`. A
 /// singular `M` has zero eigenvalues there, which are ignored, and whatever their diagonal left out if they are zero
-/// but for rounding: such a vector has no mass by which it could be told from the others, and would be mixed into
-/// them. A few vectors more than requested are returned: rounding
+/// but for rounding: such a vector has no mass by which it could be distinguished from the others, and would be mixed
+/// into them. A few vectors more than requested are returned: rounding
 /// mixes neighbouring high modes, which must not be missed at the edge of the space.
 pub(super) fn invariant_subspace(pencil: &Pencil, count: usize) -> Result<Mat<f64>, LinalgError> {
     let n = pencil.mass.nrows();

@@ -41,7 +41,7 @@ impl Openness {
 
 /// Half a unit of the last digit, in deviations.
 const HALF_UNIT: f64 = 1.732_050_807_568_877_2;
-/// An eigenvalue up to so many deviations is not told from zero.
+/// An eigenvalue up to so many deviations is not distinguished from zero.
 const UNCERTAIN: f64 = 5.0;
 /// One up to so many is that of a motion that strains nothing if [`BALANCED`] and [`GAP`] say so too: programs add up
 /// their elements with some more rounding than that of the last binary digit, and not at random. Free bodies of own

@@ -366,7 +366,7 @@ fn motions_with_neither_stiffness_nor_mass_are_found_and_held() {
 }
 
 /// A bar that floats on springs too soft for the digits of its stiffness is not said to be free: it is seen that
-/// something holds it, or the frequency is said below which that does not show.
+/// something holds it, or the frequency is reported below which that does not show.
 #[test]
 fn a_bar_on_soft_springs_is_not_taken_for_a_free_one() {
     let digits = [Digits::Decimal(10); 2];
@@ -398,7 +398,7 @@ fn a_bar_on_soft_springs_is_not_taken_for_a_free_one() {
 }
 
 /// Equal elements are cut off alike, so that a free bar has no stiffness at all; springs at each node of less than half
-/// a unit of the last digit leave these digits as they are, and their frequency is below what is said not to show.
+/// a unit of the last digit leave these digits as they are, and their frequency is below what is reported not to show.
 #[test]
 fn springs_that_the_last_digit_swallows_are_below_what_is_said_not_to_show() {
     let (n, stiffness) = (40, 1.0 / 3.0);

@@ -134,7 +134,7 @@ fn levels_of_the_drive_are_held_at_resonance_with_the_amplitude_of_the_closed_fo
 fn force_and_response_are_brought_to_their_levels_whatever_the_gain_of_the_exciter() {
     for gain in [0.2, 5.0] {
         let mut force = TestSettings { amplitude: controlled(Controlled::Force), ..settings(&[0.4, 0.8]) };
-        // At a free drive point nothing but the exciter stands between drive and force: the answer is immediate.
+        // At a free drive point nothing but the exciter is between drive and force: the answer is immediate.
         force.amplitude.smallest = 0.05 / gain;
         let mut response =
             TestSettings { amplitude: controlled(Controlled::Response), ..settings(&[3e-4, 1.02e-3, 0.9e-3]) };

@@ -68,9 +68,9 @@ pub enum ReductionError {
         row: usize,
         /// The column, from 1.
         column: usize,
-        /// What stands there, m/N.
+        /// The flexibility at a place, m/N.
         value: f64,
-        /// What stands in its mirror, m/N.
+        /// The flexibility at its mirror, m/N.
         mirrored: f64,
     },
     /// A residual flexibility that was computed elsewhere is negative in some direction.
@@ -176,7 +176,7 @@ pub enum ReductionError {
         /// How it goes: displacements of all degrees of freedom, n, the largest one.
         motion: Vec<f64>,
     },
-    /// The contact problem of the structure at rest has no solution that stands.
+    /// The contact problem of the structure at rest has no solution.
     #[error("contact forces at rest")]
     Rest(#[source] LcpError),
     /// A factorisation or eigenproblem failed.

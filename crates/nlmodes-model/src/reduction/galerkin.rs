@@ -129,8 +129,8 @@ impl GalerkinReduction {
         &self.left_out
     }
 
-    /// Rows of displacements of the full structure, at the degrees of freedom `dofs`, in the modes `open` of the reduced
-    /// one and in the contact forces.
+    /// Rows of displacements of the full structure, at the degrees of freedom `dofs`, in the modes `open` of the
+    /// reduced one and in the contact forces.
     ///
     /// # Errors
     /// [`ReductionError::Linalg`] for modes of another structure.

@@ -1,4 +1,4 @@
-"""Nonlinear modes of structures that bang against stops.
+"""Nonlinear modes of structures that meet stops.
 
 >>> import nlmodes
 >>> result = nlmodes.run("configs/rod.toml", out=False)  # doctest: +SKIP
@@ -7,7 +7,7 @@
 ================================  ==========================================================
 :func:`run`                       a scene: structure, records of a test, virtual test
 :func:`read`                      what a run has left in a directory
-:func:`check`, :func:`schema`     what can be said before anything is computed
+:func:`check`, :func:`schema`     what is known before anything is computed
 :func:`columns`                   what the columns of results mean
 :func:`linear_frequencies`        the linear modes of a scene
 :class:`Law`                      a spring or damper whose force is a function
@@ -20,7 +20,7 @@
 :mod:`nlmodes.experiment`         modal points of records that are in memory
 ================================  ==========================================================
 
-All quantities are in SI units; the unit stands in the name of a key or column.
+All quantities are in SI units; the unit is part of the name of a key or column.
 """
 
 from . import contact, continuation, experiment

@@ -20,7 +20,7 @@ Scene: TypeAlias = str | os.PathLike[str] | Mapping[str, Any]
 """A scene: path of a TOML file, text of one (with a line break in it), or a dictionary of its tables."""
 
 Progress: TypeAlias = bool | Callable[[int, float | None, str], object] | None
-"""Whether a bar is shown, or who is told instead."""
+"""Whether a progress bar is shown, or the function to be called instead."""
 
 
 def _source(scene: Scene) -> tuple[str, str] | Path:

@@ -33,7 +33,7 @@ def _column(name: str, cells: list[str]) -> NDArray[Any]:
 class Table:
     """A table whose columns are arrays of NumPy, one entry a row.
 
-    ``table["frequency_hz"]`` or ``table.frequency_hz``; ``table.columns`` lists the names, in which the units stand. Cells that are empty are
+    ``table["frequency_hz"]`` or ``table.frequency_hz``; ``table.columns`` lists the names, which contain the units. Cells that are empty are
     NaN; true and false are 1.0 and 0.0, so that those which are not known can be NaN.
     """
 

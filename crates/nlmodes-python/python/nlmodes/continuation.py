@@ -32,7 +32,7 @@ class Trace:
     events: list[list[str]]
     """What happens at each point: ``fold``, ``fold-of-x2``, ``branch-point``, ``pattern-change``, ``kink``."""
     crossings: list[tuple[int, list[list[float]]]]
-    """Where more than two arms meet: index of the point, and the first point (n + 1) of each arm but that on which the branch came."""
+    """Where more than two half-branches meet: index of the point, and the first point (n + 1) of each but that on which the branch came."""
     end_reason: str
     """``bound``, ``closed``, ``max-points`` or ``no-step``."""
     ended_because: str
@@ -90,7 +90,7 @@ def trace(
     watched
         Unknowns whose turning points are events too.
     at_branch_point
-        ``stay`` on the own arm, or ``switch`` to another.
+        ``stay`` on the own branch, or ``switch`` to another.
 
     Examples
     --------

@@ -15,7 +15,7 @@ from ._table import Table
 
 
 class Finding(NamedTuple):
-    """Something that a careful experimenter wants to be told."""
+    """Something that a careful experimenter wants to know."""
 
     name: str
     """``clipped``, ``frequency-drift``, ``reversed-force``, …"""

@@ -16,7 +16,7 @@ _SAMPLES = [sign * 10.0 ** (k / 4.0) for k in range(-40, 1) for sign in (-1.0, 1
 class Law:
     """A spring or damper whose force is a function of Python.
 
-    It stands for the law of a ``[[spring]]`` of a scene that is a dictionary. ``force`` has no value at rest; ``slope`` is its derivative,
+    It takes the place of the law of a ``[[spring]]`` of a scene that is a dictionary. ``force`` has no value at rest; ``slope`` is its derivative,
     which is compared with differences of ``force`` when both are first used. Each is called with one number, some thousand times a point.
 
     Parameters

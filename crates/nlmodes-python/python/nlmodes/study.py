@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 StudyProgress: TypeAlias = bool | Callable[[int, int, str], object] | None
-"""Whether a bar is shown, or who is told instead: cases that are there, all cases, a text."""
+"""Whether a progress bar is shown, or the function to be called instead with cases done, all cases, a text."""
 
 
 class StudyTable(Table):

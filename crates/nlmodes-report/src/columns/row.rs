@@ -1,4 +1,4 @@
-//! Rows of tables: a column stands in one place, as a field with its name, unit and meaning.
+//! Rows of tables: a column is described in one place, as a field with its name, unit and meaning.
 //!
 //! From that field come the header, the cell that is written, the value that is read, the entry of `results.mat` and
 //! the line of the documentation; a row without one of its columns does not compile.
@@ -7,7 +7,7 @@ use nlmodes_modal::{Event, InternalResonance};
 
 use super::Column;
 
-/// What stands in a cell, or in several cells of a numbered column.
+/// The content of a cell, or of several cells of a numbered column.
 pub trait Cell: Sized {
     /// Whether it is text in `results.mat`.
     const IS_TEXT: bool = false;

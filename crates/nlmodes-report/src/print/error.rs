@@ -8,7 +8,7 @@ pub enum PrintError {
     #[error("no SVG document")]
     Svg(#[source] resvg::usvg::Error),
     /// PDF cannot represent the contents.
-    #[error("cannot be said in PDF: {reason}")]
+    #[error("cannot be written in PDF: {reason}")]
     Pdf {
         /// The contents.
         reason: String,

@@ -21,7 +21,8 @@ pub const HARMONIC_ARRAYS: [Column; 4] = [
         "dof_kind",
         "D",
         "`axial`, `deflection` or `rotation`; in responses of several structures with its number, as `axial-2`; \
-            `modal` and `contact` of structures from files, in their responses `x` to `rz`, and `row` of those that were \
+            `modal` and `contact` of structures from files, in their responses `x` to `rz`, and `row` of those that \
+            were \
             reduced elsewhere, in their order",
     ),
 ];

@@ -43,7 +43,7 @@ struct Summary<'a> {
     /// The point whose period is in `motion.pvd`.
     #[serde(skip_serializing_if = "Option::is_none")]
     motion: Option<At>,
-    /// Why there is no stress, if only the size of the structure stands in the way.
+    /// Why there is no stress, if only the size of the structure prevents it.
     #[serde(skip_serializing_if = "Option::is_none")]
     stress_left_out: Option<String>,
     events: Vec<EventAt>,

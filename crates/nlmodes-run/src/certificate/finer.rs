@@ -276,7 +276,7 @@ pub(super) fn not_found(lost: &[Place]) -> String {
     format!("no motion with twice as many was found next to {}", named(lost))
 }
 
-/// What is said where no point has a force.
+/// What is reported where no point has a force.
 pub(super) const UNTOUCHED: &str = "no point that was looked at touches a stop";
 pub(super) const TOUCHING: &str = "a branch that goes on beyond the first touch";
 

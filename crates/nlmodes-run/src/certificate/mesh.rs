@@ -35,7 +35,7 @@ pub fn frequency(scene: &Scene, open: Option<&OpenStructure>) -> Check {
         return missing("frequencies are imposed on the modes", "the same scene without [structure.modes]");
     }
     let Some(finer) = own.with_twice_the_elements() else {
-        return missing("parts stand at nodes that a finer mesh has elsewhere", "structure.elements twice as large");
+        return missing("parts are at nodes that a finer mesh has elsewhere", "structure.elements twice as large");
     };
     if finer.elements > MOST {
         return missing("more than 1000 elements", "structure.elements twice as large");

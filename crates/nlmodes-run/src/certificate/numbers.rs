@@ -125,7 +125,7 @@ pub struct Met {
     pub everywhere: bool,
     /// Share of the compared points that meet it.
     pub share: f64,
-    /// Stretches of the curve, from point to point of those compared, that do not: frequencies of their ends, Hz.
+    /// Segments of the curve, from point to point of those compared, that do not: frequencies of their ends, Hz.
     pub except_hz: Vec<[f64; 2]>,
 }
 

@@ -15,8 +15,8 @@ struct Pick<'a> {
 const FOLDS: usize = 2;
 
 /// Of a response over the frequency its largest amplitude, its largest contact force, each at a point of its own, and
-/// the frequencies of its first folds; of a response over the level those levels; of any other curve the frequency and the contact force of
-/// its last point.
+/// the frequencies of its first folds; of a response over the level those levels; of any other curve the frequency and
+/// the contact force of its last point.
 fn picks(branch: &ModalBranch) -> Vec<Pick<'_>> {
     let points = || branch.points.iter().filter(|point| !point.gradients.is_empty());
     let is_known = |what| points().any(|point| point.gradients.iter().any(|own| own.of(what).is_some()));

@@ -27,7 +27,7 @@ pub struct Reference {
     pub amplitude: f64,
     /// Point of the first branch next to it.
     pub point: usize,
-    /// What stands above its figures.
+    /// Title of its figures.
     pub title: String,
     /// A period of each branch that has such a point: all of its contacts.
     pub motions: Vec<Vec<TimeHistory>>,
@@ -126,7 +126,7 @@ pub fn write(directory: &Path, references: &[Reference], style: &FigureStyle) ->
     Ok(())
 }
 
-/// What is said of points that `output.histories` asks for and `what`, of so many points, does not have.
+/// What is reported of points that `output.histories` asks for and `what`, of so many points, does not have.
 pub fn missing(files: &OutputFiles, what: &str, n_points: usize) -> impl Iterator<Item = String> {
     let points = files.histories.iter().filter(move |point| **point >= n_points);
     let said = format!("which the {what} of {n_points} points does not have");

@@ -16,7 +16,7 @@ use crate::Failure;
 
 /// Equidistant frames of a period.
 pub const FRAMES: usize = 24;
-/// Instants in which stretches of contact are sought, and the most of them that have frames of their own.
+/// Instants in which intervals of contact are sought, and the most of them that have frames of their own.
 const INSTANTS: usize = 480;
 const MOST_STRETCHES: usize = 8;
 /// Force over the largest one from which on a contact has frames of its own, and distance of two frames over the period
@@ -86,7 +86,7 @@ impl Period {
     }
 
     /// Writes `motion.pvd` and a frame `motion_000.vtu` … for each phase: equidistant ones, and the beginning, largest
-    /// force and end of each stretch in which any contact is closed.
+    /// force and end of each interval in which any contact is closed.
     ///
     /// Fields: number of the node, displacement (m, NaN where it is not known), contact force on the structure (N), gap
     /// (m), and, where contacts cover faces of the mesh, contact pressure (Pa), NaN where there is no contact, or no
@@ -328,7 +328,7 @@ fn phases_of_frames(
     Ok((all.iter().map(|(tau, own, _)| (*tau, own.is_none())).collect(), contacts))
 }
 
-/// Beginning, largest force and end of each stretch of instants in which any contact is closed, of those with the
+/// Beginning, largest force and end of each interval of instants in which any contact is closed, of those with the
 /// largest forces.
 fn instants_of_contact(contacts: &[TimeHistory]) -> Vec<usize> {
     let count = contacts.first().map_or(0, |history| history.time.len());
@@ -341,7 +341,7 @@ fn instants_of_contact(contacts: &[TimeHistory]) -> Vec<usize> {
     let of = |stretch: &[usize]| -> Vec<usize> {
         let [first, .., last] = stretch else { return stretch.to_vec() };
         let middle = stretch.iter().copied().max_by(|a, b| forces[*a].total_cmp(&forces[*b]));
-        // Forces are zero at the instants of contact themselves, which stand before and behind the stretch.
+        // Forces are zero at the instants of contact themselves, which are before and behind the interval.
         [first.saturating_sub(1), middle.unwrap_or(*first), (last + 1).min(count - 1)].to_vec()
     };
     stretches.into_iter().take(MOST_STRETCHES).flat_map(of).collect()
@@ -375,7 +375,7 @@ mod tests {
 
     #[test]
     fn contact_has_instants_where_it_begins_is_largest_and_ends() {
-        // Both contacts are one stretch where they overlap; the wrapped one begins with the period.
+        // Both contacts are one interval where they overlap; the wrapped one begins with the period.
         let first = pushed(&[1.0, 0.5, 0.0, 0.0, 2.0, 5.0, 1.0, 0.0, 0.0, 0.0, 0.2, 0.0]);
         let second = pushed(&[0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 6.0, 3.0, 0.0, 0.0, 0.0, 0.0]);
         let mut found = instants_of_contact(&[first, second]);

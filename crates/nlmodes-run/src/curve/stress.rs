@@ -44,7 +44,7 @@ impl Stress {
         Ok(Solids::of(scene, open, loads)?.map(|solids| Self::Solids(Box::new(solids))))
     }
 
-    /// Why stress is not recovered of a structure for which a scene asks for it, if only its size stands in the way;
+    /// Why stress is not recovered of a structure for which a scene asks for it, if only its size prevents it;
     /// `loads` is the number of load shapes.
     pub fn left_out(scene: &Scene, open: Option<&OpenStructure>, loads: usize) -> Option<String> {
         Solids::left_out(scene, open.filter(|_| scene.files.stress)?, loads)

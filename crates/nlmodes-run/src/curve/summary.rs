@@ -47,7 +47,7 @@ impl At {
     }
 }
 
-/// A tongue: where it begins, has its tip and ends.
+/// An internal-resonance branch: where it begins, has its tip and ends.
 #[derive(Serialize)]
 pub struct Resonance {
     name: String,
@@ -61,7 +61,7 @@ pub struct Resonance {
 }
 
 impl Resonance {
-    /// The tongues of a curve whose first point has the number `first` in the table.
+    /// The internal-resonance branches of a curve whose first point has the number `first` in the table.
     pub fn all(points: &[ModalPoint], first: usize) -> Vec<Self> {
         let at = |point: usize| At::of(points, first, point);
         let of = |tongue: Tongue| Self {
@@ -88,7 +88,7 @@ pub struct Stability {
     #[serde(skip_serializing_if = "Option::is_none")]
     tolerance: Option<f64>,
     largest_multiplier: Option<f64>,
-    /// First and last point of each stretch without stability.
+    /// First and last point of each segment without stability.
     unstable: Vec<[usize; 2]>,
 }
 

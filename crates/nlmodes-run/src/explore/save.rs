@@ -38,14 +38,14 @@ fn with_values(path: &Path, text: &str, values: &BTreeMap<String, f64>) -> Resul
     let file = files.map_err(|refused| refused.text(false))?.into_iter().next().ok_or("there is no scene")?;
     let mut places: Vec<(Range<usize>, f64)> = Vec::new();
     for (key, value) in values {
-        let place = file.document.place(key).ok_or_else(|| format!("`{key}` does not stand in the scene"))?;
+        let place = file.document.place(key).ok_or_else(|| format!("`{key}` is not in the scene"))?;
         places.push((place.value.clone(), file.document.in_written_unit(key, *value)));
     }
     // From the end, so that positions remain valid.
     places.sort_by_key(|(place, _)| std::cmp::Reverse(place.start));
     let mut changed = text.to_owned();
     for (place, value) in places {
-        let old = changed.get(place.clone()).ok_or("a value stands beyond the scene")?;
+        let old = changed.get(place.clone()).ok_or("a value lies beyond the scene")?;
         let has_point = old.contains(['.', 'e', 'E']);
         let mut new = number(value);
         if has_point && !new.contains(['.', 'e']) {

@@ -24,7 +24,7 @@ pub struct Ending {
 }
 
 impl Ending {
-    /// `name` stands before the sentences, as `branch 1: `.
+    /// `name` precedes the sentences, as `branch 1: `.
     pub(super) fn new(computed: &ComputedBranch, name: &str, time: Duration) -> Self {
         let (points, end) = (&computed.branch.points, &computed.branch.end);
         let at = points.last().map_or_else(String::new, |p| format!(" at {:.6} Hz", p.omega / TAU));
@@ -64,7 +64,7 @@ fn advice(computed: &ComputedBranch) -> Option<String> {
     Some(format!(", on the internal-resonance branch {resonance}{advice}"))
 }
 
-/// Folds by which an exact branch shows that it follows tongues of internal resonances; a loop has four.
+/// Folds by which an exact branch shows that it follows internal-resonance branches; a loop has four.
 const FOLDS: usize = 6;
 
 /// What an exact branch met that has every internal resonance of its modes.
@@ -80,7 +80,7 @@ fn wandered(computed: &ComputedBranch) -> Option<String> {
     })
 }
 
-/// Most stretches that are named.
+/// Most segments that are named.
 const NAMED: usize = 4;
 
 fn beyond_accuracy(computed: &ComputedBranch, name: &str) -> Vec<String> {
@@ -103,7 +103,7 @@ fn beyond_accuracy(computed: &ComputedBranch, name: &str) -> Vec<String> {
     }));
     if stretches.len() > NAMED {
         let more = stretches.len() - NAMED;
-        lines.push(format!("  and on {more} more stretches (accuracy.not_reached in summary.json)"));
+        lines.push(format!("  and on {more} more segments (accuracy.not_reached in summary.json)"));
     }
     lines
 }

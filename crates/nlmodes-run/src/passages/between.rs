@@ -41,7 +41,7 @@ pub(super) fn passages(rows: &[Row], abscissa: Abscissa, value: f64) -> (Vec<Pas
     (found, left_out)
 }
 
-/// The values of a row for which `at` stands; what is rounding of the largest ones is zero.
+/// The values of a row, each evaluated by `at`; what is rounding of the largest ones is zero.
 fn passage(rows: &[Row], points: [usize; 2], at: impl Fn(&dyn Fn(&Row) -> f64) -> f64) -> Passage {
     let [before, after] = points.map(|k| &rows[k]);
     let events = |row: &Row| Event::names(&row.own.event);

@@ -23,7 +23,8 @@ pub fn text(results: &Path, abscissa: Abscissa, value: f64, curves: &[Curve]) ->
         text += &format!("{}{name}: {here} {times}\n", table.display());
         for [from, to] in &curve.left_out {
             text += &format!(
-                "\n  between points {from} and {to} an internal-resonance branch was left out, and {here} lies in it: nothing is known \
+                "\n  between points {from} and {to} an internal-resonance branch was left out, and {here} lies in it: \
+                nothing is known \
                     there\n"
             );
         }

@@ -37,7 +37,7 @@ pub struct Level<'a> {
     rule: &'a SegmentRule,
 }
 
-/// The names of the flags by which the levels of a file are told.
+/// The names of the flags by which the levels of a file are marked.
 pub fn flags<'a>(scene: &'a RecordScene, file: Option<usize>) -> Vec<&'a str> {
     let flag = |rule: &&'a SegmentRule| match &rule.told {
         SegmentTold::Flag(flag) => Some(flag.as_str()),
@@ -98,7 +98,7 @@ fn flagged(
     let stretches = record.flags.iter().find(|own| own.name == flag).map(|own| own.stretches.clone());
     stretches.filter(|stretches| !stretches.is_empty()).ok_or_else(|| {
         let title = format!("the flag \"{flag}\" is never set in the record \"{}\"", record.name);
-        let label = format!("\"{flag}\" is zero throughout, expected stretches in which it is not");
+        let label = format!("\"{flag}\" is zero throughout, expected intervals in which it is not");
         file.error_at(&format!("{}.flag", rule.key), &title, &label, &[])
     })
 }
@@ -114,7 +114,7 @@ fn steady(
     let nothing = |reason: String| {
         let title = format!("no level is found in the record \"{}\": {reason}", record.name);
         let help = "say where the levels are: [[segment]] with `from_s` and `to_s`, or a `flag`";
-        file.error_at(&rule.key, &title, "expected stretches in which force and motion are steady", &[help])
+        file.error_at(&rule.key, &title, "expected intervals in which force and motion are steady", &[help])
     };
     let found = steady_stretches(record, settings, &steadiness).map_err(|error| nothing(chain(&error)))?;
     if found.is_empty() {

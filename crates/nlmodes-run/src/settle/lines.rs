@@ -24,7 +24,7 @@ const MULTIPLES: usize = 40;
 const OFF: f64 = 1.5;
 
 /// The two frequencies of a history with `n` values in each period of the load, if all that counts in its spectrum
-/// stands at sums of multiples of these.
+/// is a sum of multiples of these.
 pub fn two_lines(values: &[f64], n: usize) -> Option<TwoLines> {
     let length = values.len();
     let periods = length / n;

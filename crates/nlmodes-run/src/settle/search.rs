@@ -18,7 +18,7 @@ use crate::responses::{Model, structure};
 /// States of a period that are looked at.
 const STATES: usize = 16;
 
-/// States of a period by which the size of a motion is told.
+/// States of a period by which the size of a motion is measured.
 const FINE: usize = 128;
 
 /// Most periods of the load in one of a motion that is looked for.

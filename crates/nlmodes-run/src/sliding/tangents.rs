@@ -14,7 +14,7 @@ use nlmodes_scene::scene::{BaseDirection, Direction, Scene, StopOfBase};
 pub struct Tangent {
     /// Degrees of freedom with weights.
     pub weights: Weights,
-    /// Share of the motion of the base in it: of a base that shakes past a stop which stands still.
+    /// Share of the motion of the base in it: of a base that shakes past a stop which is fixed.
     pub base: f64,
 }
 
@@ -86,7 +86,7 @@ fn friction(scene: &Scene, contact: usize, nodes: Option<&NodeContacts>) -> Opti
     }
 }
 
-/// A base that shakes past stops which stand still.
+/// A base that shakes past stops which are fixed.
 enum Base {
     /// There is none.
     Still,

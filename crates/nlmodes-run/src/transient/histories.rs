@@ -47,7 +47,7 @@ impl Histories {
         self.displacement.first().or(self.force.first()).map_or(0, Vec::len)
     }
 
-    /// Takes a stretch, with what static loads move.
+    /// Takes an interval, with what static loads move.
     pub fn take(&mut self, stretch: &Stretch<'_>, switched: bool, moved: &[f64]) {
         self.switches += usize::from(switched);
         for (j, extremes) in self.extremes.iter_mut().enumerate() {
@@ -97,8 +97,8 @@ impl Histories {
     }
 }
 
-/// Within a stretch a value that is to be the largest lies no farther beyond that at its beginning than so many times
-/// what the rate there moves it; otherwise that of the next stretch does.
+/// Within an interval a value that is to be the largest lies no farther beyond that at its beginning than so many times
+/// what the rate there moves it; otherwise that of the next interval does.
 const REACH: f64 = 2.0;
 
 /// Largest and smallest values in equal parts of a history, and the middle of each, s.

@@ -98,7 +98,7 @@ fn row(touch: &Touch) -> TouchRow {
     }
 }
 
-/// What is told of a motion.
+/// What is reported of a motion.
 pub fn lines(content: &Content<'_>, histories: &Histories) -> Vec<String> {
     let (modes, rate) = (content.prepared.structure.n_modes(), number(rounded(histories.rate)));
     let touches = match histories.touches.len() {

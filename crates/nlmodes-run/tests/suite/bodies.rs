@@ -75,7 +75,7 @@ fn two_rods_that_are_driven_against_each_other_are_one_before_a_wall() {
 fn each_structure_has_its_own_damping_also_where_their_modes_coincide() {
     let own = ["damping = { ratio = 0.01 }", "damping = { ratios = [0.03, 0.002, 0.05] }"];
     let alone = ["[damping]\nratio = 0.01\n", "[damping]\nratios = [0.03, 0.002, 0.05]\n"];
-    // Near the first three resonances, far from contact; of other lengths, too, so that the modes are told apart.
+    // Near the first three resonances, far from contact; of other lengths, too, so that the modes differ.
     for ((hz, second), number) in [1297.0, 3900.0, 6550.0].map(|hz| (hz, 1.0)).into_iter().zip([2, 1, 2]) {
         let force = |named: &str| format!("[[force]]\n{named}at_m = 0.5\n{}", over_force(hz, 1.0));
         let single = curve(&before_wall(1.0), &format!("{}{}", alone[number - 1], force("")), 6);

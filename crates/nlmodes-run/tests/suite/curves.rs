@@ -1,4 +1,4 @@
-//! The same motion is told the same, whether it is computed as a branch or as a response.
+//! The same motion is reported alike, whether it is computed as a branch or as a response.
 
 use std::f64::consts::TAU;
 

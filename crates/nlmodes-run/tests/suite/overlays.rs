@@ -101,7 +101,7 @@ fn two_stops(harmonics: &str) -> Vec<nlmodes_scene::SceneFile> {
         .unwrap_or_else(|refused| panic!("{}", refused.text(false)))
 }
 
-/// The cells of a column as they stand.
+/// The cells of a column as they are.
 fn cells(table: &str, name: &str) -> Vec<String> {
     let mut rows = csv::Reader::from_reader(table.as_bytes());
     let place = rows.headers().unwrap().iter().position(|column| column == name).unwrap();
@@ -175,7 +175,7 @@ impl Observer for Warnings {
     }
 }
 
-/// Checks a beam with this table laid over it: what is said of the table, as a warning or an error.
+/// Checks a beam with this table laid over it: what is reported of the table, as a warning or an error.
 fn said_of(table: &[u8]) -> Result<Vec<String>, String> {
     let place = tempfile::tempdir().unwrap();
     let path = place.path().join("rig.csv");

@@ -87,7 +87,7 @@ impl OpenStructure {
         let modes = OpenModes::of_model(model, count(scene, model.dofs().len())?)?;
         let damped: Vec<bool> = scene.contacts.iter().map(|contact| contact.damping.is_some()).collect();
         let reduced = |modes: &OpenModes| ReducedStructure::along_axes(modes, &contacts, model.dofs());
-        // The elements stand for a continuum: what a mode less leaves to statics is an error like that of the mesh.
+        // The elements represent a continuum: what a mode less leaves to statics is an error like that of the mesh.
         let (modes, reduced) = pressed(scene, modes, (scene.method.mode, &damped), reduced)?;
         let dofs = model.dofs().to_vec();
         let strainless = Strainless::of_rigid_bodies(modes.n_rigid());

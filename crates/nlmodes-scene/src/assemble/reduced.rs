@@ -79,8 +79,9 @@ pub enum ReducedProblem {
     /// A static flexibility that is less than what the modes have of it.
     #[error(
         "{of}less than what the modes alone give, mostly at row {row}: {flexibility:e} m/N, and {modal:e} m/N of the \
-        modes; expected the whole static flexibility, that of the modes included. What is left beside the modes stands \
-        under `residual_flexibility_m_n`; other units stand in `units`"
+        modes; expected the whole static flexibility, that of the modes included. What is left beside the modes is \
+        given \
+        under `residual_flexibility_m_n`; other units are named by `units`"
     )]
     LessThanModes {
         /// The file with a colon; empty for numbers of the scene.
@@ -278,7 +279,7 @@ fn name(numbers: &Numbers) -> String {
     }
 }
 
-/// The numbers, from their file if they stand in one.
+/// The numbers, from their file if they are in one.
 fn table(numbers: &Numbers, key: &'static str) -> Result<NumberTable, StructureError> {
     match numbers {
         Numbers::File(address) => read_numbers(address).map_err(|source| refuse(key, ReducedProblem::Read(source))),

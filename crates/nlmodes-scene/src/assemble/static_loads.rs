@@ -1,4 +1,4 @@
-//! Static loads, and where the structure stands under them.
+//! Static loads, and where they leave the structure.
 //!
 //! A constant force field `f` moves the linear structure by `K⁻¹ f` while its contacts are open. About that place its
 //! motions are those of the same structure with the gaps `g₀ + Wᵀ K⁻¹ f`. What acts on the rigid-body motions of a

@@ -11,7 +11,8 @@ use crate::significant;
 /// Share of a motion that may be another one than that of rigid bodies, in the mean square: what the digits mix into
 /// it of the elastic modes.
 const OTHER: f64 = 0.05;
-/// Of motions that are none of rigid bodies, σ over the first λ that is told from zero, up to which there is a gap.
+/// Of motions that are none of rigid bodies, σ over the first λ that is distinguished from zero, up to which there is a
+/// gap.
 const GAP: f64 = 1e-4;
 /// Motions of a rigid body of which less than this share, squared, is left beside others are combinations of these.
 const DEPENDENT: f64 = 1e-8;
@@ -45,8 +46,8 @@ impl Strainless {
         self.rigid + self.mechanisms
     }
 
-    /// Those among the open modes of the model; none if a mode is none of rigid bodies and yet not told from zero,
-    /// without a gap to the next one: the digits leave nothing of it.
+    /// Those among the open modes of the model; none if a mode is none of rigid bodies and yet not distinguished from
+    /// zero, without a gap to the next one: the digits leave nothing of it.
     pub(super) fn of(model: &FeModel, modes: &OpenModes) -> Option<Self> {
         let count = modes.openness().strainless;
         if count == 0 {

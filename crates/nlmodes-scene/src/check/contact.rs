@@ -73,7 +73,7 @@ fn sound(i: usize, raw: &RawContact, bodies: &[Body<'_>], diagnostics: &mut Diag
     })
 }
 
-/// Dampers of stops: each stands beside a stiffness, and conservative modes leave it out.
+/// Dampers of stops: each acts beside a stiffness, and conservative modes leave it out.
 pub fn dampers(
     contacts: &[Contact],
     structure: Option<&SceneStructure>,

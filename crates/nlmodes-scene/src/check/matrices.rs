@@ -91,7 +91,7 @@ fn nodes_of(raw: &RawNodeContact, i: usize, diagnostics: &mut Diagnostics<'_>) -
         (None, None, Some(_)) => Some(ContactNodes::OfPairs),
         (Some(node), None, None) => Some(ContactNodes::Numbers(vec![node])),
         (None, Some(chosen), None) => Some(nodes(chosen)),
-        // What is missing was said already.
+        // What is missing was reported already.
         (None, None, None) => None,
         _ => {
             let label = "expected one of `node`, `nodes` and `pairs`";

@@ -113,7 +113,7 @@ fn stiffness(method: &RawMethod, contacts: usize, kind: MethodKind, diagnostics:
     method.contact_stiffness_n_m.filter(|_| kind != MethodKind::MsHbm)
 }
 
-/// The accuracy, with what it cannot stand together with.
+/// The accuracy, with what it cannot be combined with.
 fn accuracy(method: &RawMethod, scene: &RawAnalysis, diagnostics: &mut Diagnostics<'_>) -> Option<Accuracy> {
     let path = "method.max_harmonics";
     let Some(error) = method.accuracy else {

@@ -18,7 +18,7 @@ fn is_paired(ratios: Option<&[f64]>, wanted: usize, diagnostics: &mut Diagnostic
     diagnostics.put("structure.modes.damping_ratios", diagnostic, label);
 }
 
-/// Whether each frequency of the list at `path` is above the one before; said at the first that is not.
+/// Whether each frequency of the list at `path` is above the one before; reported at the first that is not.
 pub fn ascends(frequencies: &[f64], path: &str, diagnostics: &mut Diagnostics<'_>) -> bool {
     let Some(k) = (1..frequencies.len()).find(|&k| frequencies[k] <= frequencies[k - 1]) else { return true };
     let diagnostic = Diagnostic::error(format!("`{path}` is not in ascending order"));

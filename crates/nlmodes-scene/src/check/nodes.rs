@@ -42,7 +42,7 @@ pub fn mesh(raw: &RawStructure, stops: &[f64], parts: &[f64], diagnostics: &mut 
     match mesh.refined(&beside, factor) {
         Ok(mesh) => Some(Nodes { mesh, nodes, elements, refined: Some(Refined { beside, factor }) }),
         Err(error) => {
-            diagnostics.put("structure.refine", unusable(&error), "expected elements that can be told apart");
+            diagnostics.put("structure.refine", unusable(&error), "expected elements that are distinct");
             None
         }
     }
@@ -52,7 +52,7 @@ fn coarse(raw: &RawStructure, diagnostics: &mut Diagnostics<'_>) -> Option<Mesh>
     match Mesh::graded(raw.length_m, raw.elements as usize, raw.grading.unwrap_or(1.0)) {
         Ok(mesh) => Some(mesh),
         Err(error) => {
-            diagnostics.put("structure.grading", unusable(&error), "expected elements that can be told apart");
+            diagnostics.put("structure.grading", unusable(&error), "expected elements that are distinct");
             None
         }
     }

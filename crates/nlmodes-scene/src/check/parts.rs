@@ -8,7 +8,7 @@ use crate::rule::number;
 use crate::scene::{Direction, GroundSpring, MassPoint, SpringDirection, StructureKind, Support, holds};
 use crate::{Diagnostic, Diagnostics};
 
-/// A table that stands under the heading of some structure.
+/// A table below the heading of some structure.
 pub struct Table<'a, T> {
     /// Index of that structure; none where there is one structure only.
     home: Option<usize>,
@@ -17,7 +17,7 @@ pub struct Table<'a, T> {
     table: &'a T,
 }
 
-/// What is fixed to one structure, wherever it stands.
+/// What is fixed to one structure, wherever it is.
 #[derive(Default)]
 pub struct Fixed<'a> {
     pub masses: Vec<Table<'a, MassPoint>>,
@@ -65,7 +65,7 @@ impl<'a> Fixed<'a> {
     }
 }
 
-/// Index of the structure that a table names, or of that under whose heading it stands.
+/// Index of the structure that a table names, or of that below whose heading it is.
 fn owner(
     path: &str,
     named: Option<usize>,

@@ -17,7 +17,7 @@ use crate::{Diagnostic, Diagnostics};
 
 const HARMONICS: u32 = 20;
 
-/// The checked scene, or `None` if an error among the diagnostics stands in its way. `stem` is the name of the file,
+/// The checked scene, or `None` if an error among the diagnostics prevents it. `stem` is the name of the file,
 /// `base` its directory.
 pub fn scene(
     raw: &RawRecordScene,

@@ -38,7 +38,7 @@ fn flexibility(raw: &RawReduced, base: &Path, diagnostics: &mut Diagnostics<'_>)
     match (&raw.flexibility_m_n, &raw.residual_flexibility_m_n) {
         (Some(whole), None) => Some(Flexibility::Static(within(base, whole))),
         (None, Some(residual)) => Some(Flexibility::Residual(within(base, residual))),
-        // What is missing was said already.
+        // What is missing was reported already.
         (None, None) => None,
         (Some(_), Some(_)) => {
             let diagnostic = Diagnostic::error("the flexibility of the rows is given twice");

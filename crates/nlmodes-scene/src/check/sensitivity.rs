@@ -38,7 +38,7 @@ fn parameter(k: usize, raw: &RawSensitivity, diagnostics: &mut Diagnostics<'_>) 
         diagnostics.put(&path, diagnostic, "expected the key of a number; items of lists go by number, from 0");
         return None;
     };
-    // What is written in another unit stands at another key.
+    // What is written in another unit is at another key.
     let value = if there == key { written } else { diagnostics.spelled_document().in_schema_unit(key, written) };
     if value == 0.0 || !value.is_finite() {
         let diagnostic = Diagnostic::error(format!("`{key}` is {number}: its size says how far a difference goes"));
@@ -49,7 +49,7 @@ fn parameter(k: usize, raw: &RawSensitivity, diagnostics: &mut Diagnostics<'_>) 
     Some(Sensitivity { key: key.to_owned(), value, states: Vec::new() })
 }
 
-/// The path at which the value of a key stands: with another unit, and that of the only response is a list too.
+/// The path of the value of a key: with another unit, and that of the only response is a list too.
 fn written_path(key: &str, diagnostics: &Diagnostics<'_>) -> Option<String> {
     let names = std::iter::once(key.to_owned()).chain(listed(key));
     let mut spelled = names.flat_map(|name| [diagnostics.as_written(&name), name]);

@@ -44,7 +44,7 @@ pub fn check(
     })
 }
 
-/// Says that a structure that stands alone has no damping of its own.
+/// Says that a single structure has no damping of its own.
 pub fn alone(raw: &RawStructure, diagnostics: &mut Diagnostics<'_>) {
     if raw.damping.is_some() {
         let diagnostic = Diagnostic::error("`structure.damping` is for scenes of several structures");

@@ -18,7 +18,7 @@ const MAX_SAMPLES: f64 = 1e7;
 /// Most samples of a whole test, some hours of computing.
 const MAX_TEST_SAMPLES: f64 = 1e9;
 
-/// The checked scene, or `None` if an error among the diagnostics stands in its way. `stem` is the name of the file,
+/// The checked scene, or `None` if an error among the diagnostics prevents it. `stem` is the name of the file,
 /// `base` its directory.
 pub fn scene(raw: &RawTestScene, stem: &str, base: &Path, diagnostics: &mut Diagnostics<'_>) -> Option<TestScene> {
     let test = &raw.virtual_test;
@@ -110,7 +110,7 @@ fn sensors(test: &RawVirtualTest, diagnostics: &mut Diagnostics<'_>) {
     }
 }
 
-/// Everything on the bench stands beside the structure.
+/// Whatever is on the bench beside the structure.
 fn positions(test: &RawVirtualTest, length: f64, diagnostics: &mut Diagnostics<'_>) {
     let accelerometers = test.accelerometers_m.iter().flatten().enumerate();
     let accelerometers = accelerometers.map(|(i, x)| (format!("virtual_test.accelerometers_m.{i}"), Some(*x)));
@@ -146,7 +146,7 @@ fn damping_ratios(raw: &RawTestScene, diagnostics: &mut Diagnostics<'_>) -> Opti
     if found.is_none() {
         let diagnostic = Diagnostic::error(format!("`{PATH}` is missing"));
         let diagnostic =
-            diagnostic.help("so many modes are taken; damping ratios may stand below [structure.modes] too");
+            diagnostic.help("so many modes are taken; damping ratios may be given below [structure.modes] too");
         diagnostics.put(PATH, diagnostic, "expected `damping_ratios` in this table: one number from 0 to 0.999 a mode");
     }
     found

@@ -33,7 +33,8 @@ pub(super) fn doubt(subject: &Subject<'_>) -> Option<String> {
     let listed: Vec<String> = nodes.iter().take(LISTED).map(u64::to_string).collect();
     let more = if nodes.len() > LISTED { ", …" } else { "" };
     Some(format!(
-        "{} degrees of freedom of {} ({}{more}) are coupled to nothing, vibrate at {} Hz each, and no contact touches them: are these rows \
+        "{} degrees of freedom of {} ({}{more}) are coupled to nothing, vibrate at {} Hz each, and no contact touches \
+        them: are these rows \
         that the program has taken out, with numbers of its own on both diagonals? Then `fixed` holds their nodes; \
         equal values on both diagonals, or no mass, need nothing",
         most.len(),

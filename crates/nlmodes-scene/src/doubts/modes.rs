@@ -6,12 +6,12 @@ use super::short;
 use crate::assemble::{OpenStructure, StaticState};
 use crate::scene::Scene;
 
-/// Squared frequencies that differ by less than this share are not told apart.
+/// Squared frequencies that differ by less than this share are not distinguished.
 const EQUAL: f64 = 1e-8;
 /// Share of a row up to which another one is in its direction, or a contact not moved.
 const SMALL: f64 = 1e-6;
 
-/// What stands against the mode of which the nonlinear one is wanted; nothing of rigid-body motions, which are refused.
+/// What speaks against the mode of which the nonlinear one is wanted; nothing of rigid-body motions, which are refused.
 pub(super) fn doubts(scene: &Scene, open: &OpenStructure) -> Vec<String> {
     let mode = scene.method.mode.wrapping_sub(1);
     let Ok((rigid, unfelt)) = open.modes.rigid_motions() else { return Vec::new() };

@@ -27,7 +27,7 @@ fn inward(subject: &Subject<'_>, mesh: &Mesh, origin: usize, contacts: &[&NodeCo
     known.iter().all(|(contact, out)| along(contact.normal, *out) < INWARD).then(|| {
         format!(
             "`contact.{origin}.normal` {} points into the structure at {}; outward is {} at node {}: a wall on that \
-                side would stand within it. Turn the normal \
+                side would lie within it. Turn the normal \
              round, or take the nodes of the face that touches",
             vector(first.normal),
             of_all(known.len(), contacts.len()),

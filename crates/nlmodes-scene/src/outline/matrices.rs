@@ -15,11 +15,11 @@ use crate::scene::{Matrices, Scene};
 use crate::short;
 use nlmodes_io::{ContactChoice, ContactNodes, FeModel, Mesh, NodeContact, Partner};
 
-/// Frequencies that are said.
+/// Frequencies that are reported.
 pub(super) const FIRST: usize = 6;
 /// Share of a frequency below which nobody asks what digits leave open of it.
 const NOTHING: f64 = 1e-6;
-/// Contacts that are said one by one.
+/// Contacts that are listed one by one.
 pub(super) const LISTED: usize = 12;
 
 /// The rows of the structure and of its contacts.

@@ -25,7 +25,8 @@ pub fn rows(scene: &Scene) -> Vec<Row> {
         rows.push(row(format!("force {i}"), text));
     }
     if let Some(base) = scene.base_motion {
-        let stop = if base.stop == StopOfBase::Moves { "the stops move with it" } else { "the stops stand fixed" };
+        let stop =
+            if base.stop == StopOfBase::Moves { "the stops move with it" } else { "the stops are fixed in space" };
         let direction = match base.direction {
             BaseDirection::Along(direction) => format!("in {} direction", direction.name()),
             BaseDirection::Vector([x, y, z]) => format!("along [{}, {}, {}]", number(x), number(y), number(z)),
@@ -70,7 +71,7 @@ fn damping(damping: &Damping, several: bool) -> String {
     of_modes(&damping.modes) + &damping.dashpots.iter().map(one).collect::<String>()
 }
 
-/// A place in words; `several` structures are told apart.
+/// A place in words; `several` structures are distinguished.
 pub fn place(place: &Place, several: bool) -> String {
     match place {
         Place::Along { at, direction, structure } => {

@@ -8,7 +8,7 @@ use crate::scene::{BaseDirection, Direction, ForcePlace, Gravity, Scene, StaticF
 use crate::{number, short};
 use nlmodes_io::ContactNodes;
 
-/// Stops that are said one by one.
+/// Stops that are listed one by one.
 const LISTED: usize = 12;
 
 /// The rows of the loads and of the state at rest.

@@ -81,7 +81,7 @@ pub struct RawRecordSegment {
     #[schemars(extend("unit" = "s"))]
     pub to_s: Option<f64>,
     /// A channel that is not zero while a level is held, instead of `from_s` and `to_s`: any of its names, or in files
-    /// without names its number, from 1. Every such stretch is a segment
+    /// without names its number, from 1. Every such interval is a segment
     #[schemars(length(min = 1))]
     pub flag: Option<String>,
     /// "steady": the parts in which force, motion, lag and frequency are steady, in place of `from_s` and `to_s`
@@ -186,7 +186,7 @@ pub enum RawPbmifHarmonics {
     Word(Nyquist),
 }
 
-/// The one word that stands for all harmonics.
+/// The one word that means all harmonics.
 #[derive(Debug, Clone, Copy, Deserialize)]
 pub enum Nyquist {
     /// Up to half the sampling rate.

@@ -129,7 +129,7 @@ pub struct RawBaseMotion {
     pub stop: Option<StopOfBase>,
 }
 
-/// A curve of damped or forced motions; several stand under headings `[[response]]`.
+/// A curve of damped or forced motions; several are written under headings `[[response]]`.
 #[derive(Debug, Deserialize, JsonSchema)]
 pub struct RawResponse {
     /// What is followed, and how

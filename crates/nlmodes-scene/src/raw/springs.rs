@@ -4,7 +4,7 @@ use serde::Deserialize;
 use super::RawPlace;
 
 /// A spring or damper with a law of force, between a place and the ground or another place. Linear springs of rods and
-/// beams stand under `[[structure.spring]]`.
+/// beams are written under `[[structure.spring]]`.
 #[derive(Debug, Deserialize, JsonSchema)]
 pub struct RawLawSpring {
     /// The place whose displacement it resists, and the direction

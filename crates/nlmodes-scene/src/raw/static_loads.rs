@@ -57,7 +57,7 @@ pub struct RawThermal {
     pub forces: Option<String>,
 }
 
-/// Where the structure stands under its static loads with the contacts open, from a static step of a finite-element
+/// Displacements of the structure under its static loads with the contacts open, from a static step of a finite-element
 /// program.
 #[derive(Debug, Deserialize, JsonSchema)]
 pub struct RawStaticDisplacement {

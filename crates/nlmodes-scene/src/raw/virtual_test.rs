@@ -134,7 +134,7 @@ pub struct RawSchedule {
     /// Levels of an ideal force: its amplitudes
     #[schemars(inner(range(min = 1e-9)), length(min = 1, max = MAX_LIST), extend("unit" = "N"))]
     pub levels_n: Option<Vec<f64>>,
-    /// Through the levels as they stand, or also back from the last but one
+    /// Through the levels in their order, or also back from the last but one
     #[schemars(extend("default" = "once"))]
     pub order: Option<LevelOrder>,
     /// Time from one level to the next

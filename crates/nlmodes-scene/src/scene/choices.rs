@@ -70,7 +70,7 @@ choices! {
         /// The force in several harmonics that brings the damped structure into its conservative nonlinear mode
         Appropriation = "appropriation",
     }
-    /// Where stops stand while the base shakes.
+    /// What stops do while the base shakes.
     #[derive(Default)]
     StopOfBase {
         /// They move with the base
@@ -143,7 +143,7 @@ choices! {
         /// Rotation of the cross section, beam only
         Rotation = "rotation",
     }
-    /// Side on which a stop stands.
+    /// Side on which a stop limits the motion.
     #[derive(Default)]
     Side {
         /// On the positive side
@@ -293,10 +293,10 @@ choices! {
     /// Order of the levels of a test.
     #[derive(Default)]
     LevelOrder {
-        /// As they stand
+        /// In their order
         #[default]
         Once = "once",
-        /// As they stand, and back from the last but one
+        /// In their order, and back from the last but one
         ThereAndBack = "there-and-back",
     }
     /// Format of a record's file.

@@ -31,7 +31,7 @@ pub struct Output {
     pub files: OutputFiles,
 }
 
-/// Largest relative errors that are wanted; none where nothing is said.
+/// Largest relative errors that are wanted; none where none are given.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct Requirement {

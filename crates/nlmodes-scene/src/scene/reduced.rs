@@ -15,7 +15,7 @@ pub struct ReducedModel {
     pub flexibility: Flexibility,
     /// Units of the files; numbers of the scene are in SI units.
     pub units: UnitSystem,
-    /// What stands under `[[contact]]`, in the order of the file.
+    /// The tables `[[contact]]`, in the order of the file.
     pub row_contacts: Vec<RowContact>,
 }
 

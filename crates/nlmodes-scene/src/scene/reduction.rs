@@ -29,7 +29,7 @@ pub struct Reduction {
 pub struct Matrices {
     /// The files, with paths from where the program is started.
     pub files: FeFiles,
-    /// What stands under `[[contact]]`, in the order of the file.
+    /// The tables `[[contact]]`, in the order of the file.
     pub contacts: Vec<ContactChoice>,
     /// Whether the scene says nothing of the units of the files, so that they are taken for m-kg-s.
     #[serde(skip)]

@@ -105,7 +105,7 @@ pub struct BaseMotion {
     pub stop: StopOfBase,
 }
 
-/// A curve of damped or forced motions, or one for each level; several stand under headings `[[response]]`.
+/// A curve of damped or forced motions, or one for each level; several are written under headings `[[response]]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Response {
     /// What is computed

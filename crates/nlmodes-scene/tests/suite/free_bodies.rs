@@ -1,5 +1,5 @@
-//! Structures from files whose stiffness is singular, or known to few digits: what strains nothing is told from what
-//! vibrates slowly.
+//! Structures from files whose stiffness is singular, or known to few digits: what strains nothing is distinguished
+//! from what vibrates slowly.
 
 use std::error::Error;
 use std::f64::consts::TAU;
@@ -136,7 +136,7 @@ fn a_free_beam_is_free_with_any_digits_and_without_places() -> Outcome {
     Ok(())
 }
 
-/// The frequency of a fine cantilever is said with what its digits leave open, and that is not far from what they
+/// The frequency of a fine cantilever is given with what its digits leave open, and that is not far from what they
 /// change; where they leave nothing of it, it is refused, and never taken for a free body.
 #[test]
 fn what_digits_leave_open_of_a_held_beam_is_said_or_refused() -> Outcome {

@@ -17,7 +17,7 @@ pub fn variables(
     diagnostics: &mut Diagnostics<'_>,
 ) -> Option<Vec<Variable>> {
     if design.kind != DesignKind::List || tables > 0 {
-        let diagnostic = Diagnostic::error("a file of cases stands by itself")
+        let diagnostic = Diagnostic::error("a file of cases cannot be combined with other designs")
             .help("design.kind = \"list\", and no heading [[vary]]: the header of the file says what varies");
         diagnostics.put(KEY, diagnostic, "expected a list without other variables");
         return None;

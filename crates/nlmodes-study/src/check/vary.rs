@@ -46,7 +46,7 @@ pub fn same_lengths(variables: &[Variable], design: &Design, diagnostics: &mut D
     let lengths: Vec<usize> = variables.iter().map(crate::design::n_listed).collect();
     for (k, length) in lengths.iter().enumerate() {
         if lengths[0] != *length {
-            let diagnostic = Diagnostic::error("the values of a list stand side by side")
+            let diagnostic = Diagnostic::error("the variables of a list have equally many values")
                 .help("design.kind = \"grid\" takes all combinations");
             diagnostics.put(
                 &format!("vary.{k}"),

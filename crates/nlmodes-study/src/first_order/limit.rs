@@ -68,8 +68,8 @@ pub fn kept(
 
 impl Within<'_> {
     /// Where the quantity meets its limit between the means, which keep to it, and the corner, which does not: by
-    /// chords, of which the end that stays counts half (the Illinois method). The share is that of the last case that keeps
-    /// to the limit.
+    /// chords, of which the end that stays counts half (the Illinois method). The share is that of the last case that
+    /// keeps to the limit.
     fn search(
         &self,
         quantity: &Quantity,

@@ -12,7 +12,7 @@ function element(parent, name, attributes, text) {
 }
 
 const column = name => DATA.columns.find(found => found.name === name);
-/** What stands at an axis: quantities with the column they are of, which ends with its unit. */
+/** The label of an axis: quantities with the column they are of, which ends with its unit. */
 const label = name => DATA.labels[name] ?? name;
 const numeric = DATA.columns.filter(found => found.kind === "number" && !found.name.endsWith("_error"));
 const caseName = row => `case ${column("case").cells[row]}`;

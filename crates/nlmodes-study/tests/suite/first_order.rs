@@ -188,7 +188,7 @@ fn gradients_of_quantities_of_a_mode_are_differences_of_cases_and_corners_are_co
             assert!([0.008, 0.012].contains(&at[0].1) && [42.0, 58.0].contains(&at[1].1), "{at:?}");
             let there = evaluated(&study, &at, quantity);
             assert!((corner.computed.unwrap() / there - 1.0).abs() < 1e-9, "{corner:?}");
-            // By differences of cases beside the corner: the same sign as at the means, unless it is said.
+            // By differences of cases beside the corner: the same sign as at the means, unless that is reported.
             let sign = |k: usize| {
                 let at = |factor: f64| {
                     let mut values = at;

@@ -36,7 +36,7 @@ pub struct Stretch<'a> {
     acting: &'a [bool],
 }
 
-/// A quantity along a stretch.
+/// A quantity along an interval.
 #[derive(Debug, Clone, Copy)]
 pub struct Along {
     polynomial: Polynomial,
@@ -45,7 +45,7 @@ pub struct Along {
 }
 
 impl Along {
-    /// Value and rate at a time after the beginning of the stretch, s.
+    /// Value and rate at a time after the beginning of the interval, s.
     pub fn at(&self, t: f64) -> [f64; 2] {
         let [value, slope, _] = self.polynomial.evaluate(t / self.step);
         [value, slope / self.step]
@@ -59,7 +59,7 @@ impl Along {
         [self.polynomial.highest(end), -negated.highest(end)]
     }
 
-    /// Integral over the stretch.
+    /// Integral over the interval.
     pub fn integral(&self) -> f64 {
         self.step * self.polynomial.integral(self.length / self.step)
     }
@@ -89,7 +89,7 @@ impl Stretch<'_> {
         self.along(self.flow().observed[number].from(&self.piece.w))
     }
 
-    /// The value of an observed displacement at the beginning, and by how much it would change in the whole stretch at
+    /// The value of an observed displacement at the beginning, and by how much it would change in the whole interval at
     /// its rate there, m: cheaper than [`observed`](Self::observed).
     pub fn observed_roughly(&self, number: usize) -> [f64; 2] {
         self.roughly(&self.flow().observed[number])
@@ -108,8 +108,8 @@ impl Stretch<'_> {
         self.structure.law_stops().nth(contact.checked_sub(self.flow().closed.len())?)
     }
 
-    /// The force of a contact at the beginning, and by how much it would change in the whole stretch at its rate there,
-    /// N: cheaper than [`force`](Self::force).
+    /// The force of a contact at the beginning, and by how much it would change in the whole interval at its rate
+    /// there, N: cheaper than [`force`](Self::force).
     pub fn force_roughly(&self, contact: usize) -> [f64; 2] {
         if self.law_of(contact).is_some() {
             let force = self.force(contact);
@@ -119,7 +119,7 @@ impl Stretch<'_> {
         self.roughly(&self.flow().forces_along[contact])
     }
 
-    /// Integral of the force of a contact over the stretch, N s.
+    /// Integral of the force of a contact over the interval, N s.
     pub fn impulse(&self, contact: usize) -> f64 {
         let (flow, w) = (self.flow(), &self.piece.w);
         match self.piece.length == flow.step && self.law_of(contact).is_none() {
@@ -133,7 +133,7 @@ impl Stretch<'_> {
         [value, slope * self.piece.length / self.flow().step]
     }
 
-    /// The rate at which the gap of an open contact falls at the end of the stretch, m/s.
+    /// The rate at which the gap of an open contact falls at the end of the interval, m/s.
     fn approach(&self, contact: usize) -> f64 {
         match self.law_of(contact) {
             None => -self.along(self.flow().watched[contact].from(&self.piece.w)).at(self.length())[1],
@@ -168,12 +168,12 @@ pub struct Touch {
 /// The touches of a motion, as they happen.
 struct Touches {
     current: Vec<Option<Touch>>,
-    /// Rate at which the gap of an open contact falls at the end of the latest stretch, m/s.
+    /// Rate at which the gap of an open contact falls at the end of the latest interval, m/s.
     approach: Vec<f64>,
 }
 
 impl Touches {
-    /// Takes a stretch; tells the touches that end at its beginning.
+    /// Takes an interval; tells the touches that end at its beginning.
     fn take(&mut self, stretch: &Stretch<'_>, switched: bool, touched: &mut dyn FnMut(Touch)) {
         for contact in 0..self.current.len() {
             if !stretch.is_closed(contact) {
@@ -197,7 +197,7 @@ impl Touches {
 impl ForcedStructure {
     /// The motion from a state (modal coordinates, their rates, displacements of the dissipative stops) under loads of
     /// any course in time: exact between contact instants, but for the order of the steps in which
-    /// [laws](Self::push_law) are fulfilled. `observe` is given each stretch and whether a contact changes at its end,
+    /// [laws](Self::push_law) are fulfilled. `observe` is given each interval and whether a contact changes at its end,
     /// and says whether to go on; `touched` each touch when it is over. Periodic loads are left out.
     ///
     /// Returns the state at the end.

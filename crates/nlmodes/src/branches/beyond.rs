@@ -1,4 +1,4 @@
-//! Stretches of a branch that miss an accuracy.
+//! Segments of a branch that miss an accuracy.
 
 use nlmodes_modal::ModalPoint;
 
@@ -14,7 +14,7 @@ pub struct BeyondAccuracy {
     pub largest_estimate: f64,
 }
 
-/// The stretches of a branch beyond an accuracy. Points without an estimate are between two others part of a stretch,
+/// The segments of a branch beyond an accuracy. Points without an estimate are between two others part of a segment,
 /// but do not make one.
 pub(super) fn beyond(points: &[ModalPoint], error: f64) -> Vec<BeyondAccuracy> {
     let mut all: Vec<BeyondAccuracy> = Vec::new();

@@ -60,7 +60,7 @@ pub enum BranchProgress<'a> {
         /// The point.
         point: &'a ModalPoint,
     },
-    /// The last points of a branch lie on a tongue that is skipped.
+    /// The last points of a branch lie on an internal-resonance branch that is skipped.
     Withdrawn {
         /// Number of the branch.
         branch: usize,
@@ -119,12 +119,12 @@ impl ComputedBranch {
         self
     }
 
-    /// The stretches on which the accuracy that was asked for is not reached; none where none was asked for.
+    /// The segments on which the accuracy that was asked for is not reached; none where none was asked for.
     pub fn beyond_accuracy(&self) -> Vec<BeyondAccuracy> {
         self.settings.accuracy.map_or_else(Vec::new, |wanted| beyond(&self.branch.points, wanted.error))
     }
 
-    /// The tongues of internal resonances on the branch.
+    /// The internal-resonance branches that the branch follows.
     pub fn tongues(&self) -> Vec<Tongue> {
         tongues(&self.branch.points)
     }

@@ -21,9 +21,10 @@ use super::{
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct ComputedTree {
-    /// Each stands behind the one that it leaves; the first one is never missing.
+    /// Each follows the one that it leaves; the first one is never missing.
     pub branches: Vec<ComputedBranch>,
-    /// Arms of branch points that were found but not followed, since [`BranchSettings::max_branches`] was reached.
+    /// Half-branches of branch points that were found but not followed, since [`BranchSettings::max_branches`] was
+    /// reached.
     pub not_followed: usize,
 }
 
@@ -217,8 +218,8 @@ fn one(
     Ok(Traced { found, end, origin: None })
 }
 
-/// All branches that are connected by branch points, and the number of arms left; the limit of points holds for all
-/// together.
+/// All branches that are connected by branch points, and the number of half-branches left; the limit of points holds
+/// for all together.
 fn all(
     tracer: &mut Tracer,
     seed: &Seed,

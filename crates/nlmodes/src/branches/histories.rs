@@ -19,7 +19,7 @@ impl<'b> Histories<'b> {
     }
 
     /// Motion and force of all contacts over one period of point `point`, exact at the instants of contact: where any
-    /// of them closes or opens stand two instants, a rounding apart, with what is just before and just after;
+    /// of them closes or opens there are two instants, a rounding apart, with what is just before and just after;
     /// `samples + 1` instants in all, some within the shortest blow too, or as many more as it takes for 65 beside the
     /// changes.
     ///

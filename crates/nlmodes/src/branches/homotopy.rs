@@ -7,8 +7,8 @@ use nlmodes_continuation::{
 };
 use thiserror::Error;
 
-/// What may be spent on the way to a solution. A search for the arms of a corner on it, among a hundred unknowns, may
-/// take a hundred thousand evaluations: there are other ways.
+/// What may be spent on the way to a solution. A search for the half-branches of a corner on it, among a hundred
+/// unknowns, may take a hundred thousand evaluations: there are other ways.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Effort {
     points: usize,

@@ -8,12 +8,12 @@ use nlmodes_modal::{BranchEnd, EndReason, Event, ModalPoint};
 use super::BranchPointRule;
 use super::branch::ComputedBranch;
 
-/// Relative distance in energy from a corner within which nothing is said: there the motions on all of its arms are
-/// alike.
+/// Relative distance in energy from a corner within which nothing is reported: there the motions on all of its
+/// half-branches are alike.
 const NEAR: f64 = 0.01;
 
-/// Energy of the other harmonics, over that which the side of a tongue would have, below which a point does not lie on
-/// that side.
+/// Energy of the other harmonics, over that which the side of an internal-resonance branch would have, below which a
+/// point does not lie on that side.
 const LITTLE: f64 = 0.1;
 
 /// Where a branch left its nonlinear mode.
@@ -32,9 +32,9 @@ pub struct LeftMode {
 
 /// Watches a branch for the place where it leaves its mode.
 ///
-/// At the tip of the tongue of an n : mode k resonance mode k moves alone, n times a period, and its own nonlinear mode
-/// passes there. On the sides of the tongue the harmonics that are no multiples of n grow in amplitude like the
-/// distance in energy from the tip; along mode k they do not.
+/// At the tip of the internal-resonance branch of an n : mode k resonance mode k moves alone, n times a period, and its
+/// own nonlinear mode passes there. On the sides of the internal-resonance branch the harmonics that are no multiples
+/// of n grow in amplitude like the distance in energy from the tip; along mode k they do not.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Departure {
     /// Energy of the last corner or branch point.
@@ -151,7 +151,7 @@ mod tests {
                         on.is_seen(&point(away, 1e-8, unit, None))
                     })
                     .collect();
-                // It is said once.
+                // It is reported once.
                 assert_eq!(seen, [false, true, false, false]);
             }
         }

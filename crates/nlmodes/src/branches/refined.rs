@@ -19,7 +19,7 @@ impl ComputedBranch {
     /// `structure`: that of the branch, or one with the same contacts and other modes. Newton's method at that energy
     /// leads there from the point, at once or over numbers of harmonics in between; `None` where neither does, or where
     /// it does not lead back from there with the harmonics and modes of the branch: what was found is then another
-    /// motion of that energy, on another arm.
+    /// motion of that energy, on another half-branch.
     ///
     /// # Errors
     /// [`BranchError::NotHarmonic`] for a branch whose unknowns are not harmonics of the contacts; [`BranchError`] if

@@ -25,7 +25,7 @@ pub enum BranchStart {
     },
 }
 
-/// Which arm is followed at a branch point.
+/// Which half-branch is followed at a branch point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum BranchPointRule {
     /// The branch's own, through the point.
@@ -98,14 +98,14 @@ pub struct BranchSettings {
     pub held_modes: Option<usize>,
     /// Averaged kinetic energy over that at grazing at which the branch ends. Default none.
     pub max_energy_ratio: Option<f64>,
-    /// Averaged kinetic energy, J, that stands for that at grazing where nothing else gives one: the first contacts
-    /// touch at rest, and there are no others. Default 1 J.
+    /// Averaged kinetic energy, J, that takes the place of that at grazing where nothing else gives one: the first
+    /// contacts touch at rest, and there are no others. Default 1 J.
     pub reference_energy: f64,
     /// Frequency window, Hz, outside of which the branch ends. Default none.
     pub frequency_hz: Option<[f64; 2]>,
     /// Where it begins. Default grazing.
     pub start: BranchStart,
-    /// Which arm is followed at a branch point. Default its own.
+    /// Which half-branch is followed at a branch point. Default its own.
     pub at_branch_point: BranchPointRule,
     /// Most branches of a tree. Default 20.
     pub max_branches: usize,

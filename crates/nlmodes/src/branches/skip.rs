@@ -1,4 +1,4 @@
-//! A branch that leaves out the tongues of internal resonances.
+//! A branch that leaves out the internal-resonance branches.
 
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
@@ -14,15 +14,15 @@ use super::start::{Seed, Target, heading, refined};
 use super::trace::Tracer;
 use super::{BranchError, BranchProgress, FOLLOWING, ResonanceRule};
 
-/// Share of the kinetic energy in the resonant harmonic at the foot of a tongue, where the branch beside it has less
-/// than half of that.
-const FOOT: f64 = 0.05;
+/// Share of the kinetic energy in the resonant harmonic at the base point of an internal-resonance branch, where the
+/// branch beside it has less than half of that.
+const BASE_SHARE: f64 = 0.05;
 
-/// First relative distance in frequency behind the foot of a tongue at which the backbone is sought, and by what it
-/// grows.
+/// First relative distance in frequency behind the base point of an internal-resonance branch at which the backbone is
+/// sought, and by what it grows.
 const BEYOND: (f64, f64) = (2e-4, 1.6);
 
-/// Relative difference in frequency and energy below which two feet are one.
+/// Relative difference in frequency and energy below which two base points are one.
 const SAME: f64 = 1e-6;
 
 /// Largest growth of that distance.
@@ -31,8 +31,8 @@ const FURTHER: f64 = 2e-3;
 /// Largest such distance.
 const FURTHEST: f64 = 0.2;
 
-/// Follows the backbone from `seed`; where it runs into an internal resonance, it goes back to the foot of the tongue,
-/// and on behind it. A tongue behind which no backbone is found is followed.
+/// Follows the backbone from `seed`; where it runs into an internal resonance, it goes back to the base point of
+/// its branch, and on behind it. One behind which no backbone is found is followed.
 pub(super) fn follow(
     tracer: &mut Tracer,
     mut seed: Seed,
@@ -42,16 +42,16 @@ pub(super) fn follow(
     let upward = heading(tracer, &seed)?;
     let (mut all, mut guides, mut followed) = (Found::default(), Guides::default(), Vec::<Followed>::new());
     let mut first = First::Named(start_event);
-    // Where the stretch since the last tongue begins.
-    let mut stretch = 0;
+    // Where the segment since the last internal-resonance branch begins.
+    let mut segment_start = 0;
     loop {
         let (mut count, limit, mut resonance) = (all.points.len(), tracer.settings.max_points, None);
         let watch = tracer.settings.watch.clone();
         let _ = watch.begins(FOLLOWING);
         let before = all.points.len();
-        // On a tongue that is followed all others are part of it.
+        // On an internal-resonance branch that is followed all others are part of it.
         let is_followed = |found: InternalResonance| followed.iter().any(|each| each.resonance == found);
-        let mut on_tongue = all.points.last().and_then(|last| last.resonance).is_some_and(is_followed);
+        let mut is_aside = all.points.last().and_then(|last| last.resonance).is_some_and(is_followed);
         let traced = tracer.trace(&seed, None, first, |shown| {
             let point = match shown {
                 Shown::Point(point) => point,
@@ -60,12 +60,12 @@ pub(super) fn follow(
                     return observe(BranchProgress::Withdrawn { branch: 0, kept: count });
                 }
             };
-            let was_on_tongue = on_tongue;
-            on_tongue = point.resonance.is_some_and(|found| on_tongue || is_followed(found));
-            if was_on_tongue && !on_tongue {
-                stretch = count;
+            let was_aside = is_aside;
+            is_aside = point.resonance.is_some_and(|found| is_aside || is_followed(found));
+            if was_aside && !is_aside {
+                segment_start = count;
             }
-            resonance = point.resonance.filter(|_| !on_tongue);
+            resonance = point.resonance.filter(|_| !is_aside);
             if resonance.is_some() {
                 return ControlFlow::Break(());
             }
@@ -80,7 +80,7 @@ pub(super) fn follow(
         all.append(segment);
         let Some(resonance) = resonance else {
             let mut end = branch_end(&stop, tracer, all.points.len());
-            if let Some(followed) = followed.last().filter(|_| on_tongue && end.complete) {
+            if let Some(followed) = followed.last().filter(|_| is_aside && end.complete) {
                 end.complete = tracer.settings.internal_resonance != ResonanceRule::Skip;
                 end.message += &format!(
                     ", on the internal-resonance branch {}, which was followed: {}",
@@ -90,9 +90,9 @@ pub(super) fn follow(
             return Ok((all, end));
         };
         let last = all.points.len() - 1;
-        let foot = foot(&all.points[stretch..last], resonance, upward).map(|i| stretch + i);
-        let behind = match foot {
-            Some(foot) => resume(tracer, &mut guides, &all.points[foot], (upward, resonance)),
+        let base = base_point(&all.points[segment_start..last], resonance, upward).map(|i| segment_start + i);
+        let behind = match base {
+            Some(base) => resume(tracer, &mut guides, &all.points[base], (upward, resonance)),
             None => Ok(Behind::Nothing("it begins on it".to_owned())),
         };
         if watch.has_ended() {
@@ -101,11 +101,11 @@ pub(super) fn follow(
             return Ok((all, end));
         }
         let behind = behind?;
-        if let (Some(foot), Behind::Found { .. } | Behind::Limit(_)) = (foot, &behind) {
-            all.truncate(foot + 1);
-            mark(&mut all.points[foot], resonance, Event::TongueFoot);
-            let withdrawn = observe(BranchProgress::Withdrawn { branch: 0, kept: foot });
-            let marked = BranchProgress::Found { branch: 0, point: &all.points[foot] };
+        if let (Some(base), Behind::Found { .. } | Behind::Limit(_)) = (base, &behind) {
+            all.truncate(base + 1);
+            mark(&mut all.points[base], resonance, Event::TongueFoot);
+            let withdrawn = observe(BranchProgress::Withdrawn { branch: 0, kept: base });
+            let marked = BranchProgress::Found { branch: 0, point: &all.points[base] };
             if withdrawn.is_break() || observe(marked).is_break() {
                 let end = branch_end(&StopReason::Stopped, tracer, all.points.len());
                 return Ok((all, end));
@@ -119,7 +119,7 @@ pub(super) fn follow(
                         return Ok((all, end));
                     }
                 }
-                stretch = all.points.len();
+                segment_start = all.points.len();
                 all.append(*points);
                 (seed, first) = (next, First::Known);
             }
@@ -155,19 +155,20 @@ fn ahead(tracer: &Tracer, all: &Found) -> Option<Seed> {
     Some(Seed { x: x.clone(), p: p(last), direction, harmonics: tracer.settings.harmonics })
 }
 
-/// What was found behind a tongue.
+/// What was found behind an internal-resonance branch.
 enum Behind {
-    /// The points from its foot on, and where the last one of them leads.
+    /// The points from its base point on, and where the last one of them leads.
     Found {
         points: Box<Found>,
         seed: Seed,
     },
     Nothing(String),
-    /// A limit of the branch lies within the tongue.
+    /// A limit of the branch lies within the internal-resonance branch.
     Limit(BranchEnd),
 }
 
-/// Seeks the backbone behind a tongue at growing distances, and goes from there back to the foot of the tongue.
+/// Seeks the backbone behind an internal-resonance branch at growing distances, and goes from there back to the base
+/// point.
 fn resume(
     tracer: &mut Tracer,
     guides: &mut Guides,
@@ -199,7 +200,7 @@ fn resume(
             continue;
         }
         has_less = true;
-        let Some(points) = back_to_foot(tracer, &seed, near, upward, resonance)? else { continue };
+        let Some(points) = back_to_base(tracer, &seed, near, upward, resonance)? else { continue };
         return Ok(Behind::Found { points: Box::new(points), seed });
     }
     if least.is_finite() && !has_less {
@@ -212,9 +213,9 @@ fn resume(
     Ok(Behind::Nothing(why.unwrap_or_else(|| "the backbone was not found behind it".to_owned())))
 }
 
-/// The branch from the foot behind the tongue to `seed`; `None` if that lies on a tongue itself, or on the near side of
-/// this one.
-fn back_to_foot(
+/// The branch from the base point behind the internal resonance to `seed`; `None` if that lies on its branch itself, or
+/// on the near side of this one.
+fn back_to_base(
     tracer: &mut Tracer,
     seed: &Seed,
     near: &ModalPoint,
@@ -234,24 +235,25 @@ fn back_to_foot(
     if resonant {
         found.truncate(found.points.len() - 1);
     }
-    let Some(foot) = foot(&found.points, resonance, !upward) else { return Ok(None) };
+    let Some(base) = base_point(&found.points, resonance, !upward) else { return Ok(None) };
     let same = |a: f64, b: f64| (a / b - 1.0).abs() < SAME;
-    let last = &found.points[foot];
+    let last = &found.points[base];
     if same(last.omega, near.omega) && same(last.kinetic_energy, near.kinetic_energy) {
         return Ok(None);
     }
-    found.truncate(foot + 1);
-    mark(&mut found.points[foot], resonance, Event::Resumed);
+    found.truncate(base + 1);
+    mark(&mut found.points[base], resonance, Event::Resumed);
     found.reverse();
     Ok(Some(found))
 }
 
-/// Index of the foot of a tongue at the end of these points: where the resonant harmonic begins to grow, and the
-/// frequency has not turned yet. None where all of them lie on a tongue, one of its flanks included.
-fn foot(points: &[ModalPoint], resonance: InternalResonance, upward: bool) -> Option<usize> {
+/// Index of the base point of an internal-resonance branch at the end of these points: where the resonant harmonic
+/// begins to grow, and the frequency has not turned yet. None where all of them lie on an internal-resonance branch,
+/// one of its flanks included.
+fn base_point(points: &[ModalPoint], resonance: InternalResonance, upward: bool) -> Option<usize> {
     let share = |point: &ModalPoint| point.harmonic_share(resonance.harmonic);
     let least = points.iter().map(share).fold(f64::INFINITY, f64::min);
-    let limit = FOOT.max(2.0 * least).min(RESONANT_SHARE);
+    let limit = BASE_SHARE.max(2.0 * least).min(RESONANT_SHARE);
     let last = points.iter().rposition(|point| share(point) <= limit)?;
     let sense = if upward { 1.0 } else { -1.0 };
     (0..=last).max_by(|&i, &j| (sense * points[i].omega).total_cmp(&(sense * points[j].omega)))

@@ -36,7 +36,7 @@ impl Seed {
     }
 }
 
-/// Where frequency and parameter stand in `z = (x, p)`.
+/// Places of frequency and parameter in `z = (x, p)`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place {
     pub frequency: usize,

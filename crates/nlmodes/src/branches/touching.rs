@@ -13,7 +13,7 @@ use super::prepare::problem;
 use super::start::{Seed, one_point};
 use super::{BranchError, BranchSettings};
 
-/// Most points on the way from contacts that stand back to contacts that touch.
+/// Most points on the way from contacts that are set back to contacts that touch.
 const MOST: usize = 1000;
 
 /// Share of the amplitude by which a start may lie beyond grazing by rounding.
@@ -117,7 +117,7 @@ fn refined_from(
     Ok(Seed { x, p: 0.0, direction, harmonics: settings.harmonics })
 }
 
-/// The motion to which that before contacts that stand back leads as they are closed.
+/// The motion to which that before contacts that are set back leads as they are closed.
 fn close(
     structure: &CondensedStructure,
     settings: &BranchSettings,

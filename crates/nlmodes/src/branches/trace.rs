@@ -135,7 +135,7 @@ impl<'s> Tracer<'s> {
             },
         )?;
         if watch.has_ended() {
-            // Arms that were open still begin, and have no points.
+            // Half-branches that were open still begin, and have no points.
             let begun = all.iter().take_while(|found| !found.points.is_empty()).count().max(1);
             all.truncate(begun);
             tree.branches.truncate(begun);
@@ -147,7 +147,7 @@ impl<'s> Tracer<'s> {
 
     /// The continuation of the settings, the frequency over that of grazing within these limits too.
     pub(super) fn within(&self, frequency: Option<[f64; 2]>) -> Continuation {
-        // The number of harmonics says where the frequency stands among the unknowns.
+        // The place of the frequency among the unknowns follows from the number of harmonics.
         let coordinate = self.problem.frequency_index();
         let mut method = continuation(&self.settings, self.grazing, coordinate, self.problem.dim());
         method.bounds.extend(frequency.map(|[min, max]| Bound { coordinate, min, max }));

@@ -74,7 +74,7 @@ impl ResponsePoint {
         let coordinates = (system.n_coefficients() / series.width()).max(1);
         let width = own.len() / coordinates;
         let factor = unit / system.unit();
-        // Motions that are even in time have no sines, which stand last.
+        // Motions that are even in time have no sines, which are last.
         let padded = |one: &[f64]| {
             let mut one: Vec<f64> = one.iter().map(|x| x * factor).collect();
             one.resize(series.width(), 0.0);

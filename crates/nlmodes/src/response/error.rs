@@ -86,7 +86,7 @@ pub enum ResponseError {
     /// A mode or phase resonance before contacts that touch at rest is not reached as gaps are closed.
     #[error(
         "the mode begins before the contacts that touch at rest set back, but as they are closed the way to it ends at \
-        a gap of {} m: {why}. Contacts that are elastic, or that stand a little back, lead on",
+        a gap of {} m: {why}. Contacts that are elastic, or that are set back a little, lead on",
         rounded(*left, 3)
     )]
     NoModeTouching {

@@ -99,7 +99,7 @@ impl Curve<'_> {
         let doubt = |point: &ResponsePoint| point.stability.map_or(0.0, |estimate| estimate.doubt());
         let mut open: Vec<&mut ResponsePoint> = points
             .iter_mut()
-            // A loss of stability stands where the estimate passes the unit circle.
+            // A loss of stability is where the estimate passes the unit circle.
             .filter(|point| touches(point) && doubt(point) > settings.multiplier_margin)
             .filter(|point| !point.events.iter().any(is_loss))
             .collect();
@@ -158,7 +158,7 @@ impl Curve<'_> {
                 let guess = BranchPoint::guess(x, p, held);
                 // The level as it was asked for, without the rounding of its logarithm.
                 let point = ResponsePoint { level, ..self.point(&guess)? };
-                // Where the step between is too long for Newton's method, the nearer end stands for it, with its own
+                // Where the step between is too long for Newton's method, the nearer end is taken for it, with its own
                 // level.
                 let nearer = if share < 0.5 { a } else { b };
                 found.push(if point.residual < CONVERGED { point } else { self.point(nearer)? });
@@ -288,7 +288,7 @@ fn refined(system: &mut PeriodicSystem, point: &BranchPoint) -> Refined {
     system.refine(&point.x, point.p, &held)
 }
 
-/// What is to be said where points of a curve are none: it is not complete then, wherever it ended.
+/// What is to be reported where a curve has no points: it is not complete then, wherever it ended.
 fn unsolved(points: &[ResponsePoint]) -> Option<String> {
     let off = points.iter().map(|point| point.residual).filter(|residual| residual.is_nan() || *residual > CONVERGED);
     let (count, most) = off.fold((0_usize, 0.0_f64), |(n, most), residual| (n + 1, most.max(residual)));

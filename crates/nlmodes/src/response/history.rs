@@ -20,7 +20,7 @@ pub struct ContactPattern<'a> {
     y: Vec<Vec<Complex64>>,
     /// Of each contact whose stop dissipates, the displacement of the stop, harmonic by harmonic.
     stops: Vec<Option<Vec<Complex64>>>,
-    /// Stops with a law of force, which are told behind the contacts.
+    /// Stops with a law of force, which are reported after the contacts.
     laws: Vec<LawStop>,
     /// Ends in phase (rad) of the segments with constant closed set, in order from 0 to 2π, and `dλ/dy` there.
     stretches: Vec<([f64; 2], Mat<f64>)>,

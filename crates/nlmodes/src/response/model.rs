@@ -183,8 +183,8 @@ impl ResponseModel {
         Ok(())
     }
 
-    /// Adds the motion of the base, with which or past which the stops stand. Displacements are then relative to the
-    /// base.
+    /// Adds the motion of the base, with which the stops move, or past which they are fixed. Displacements are then
+    /// relative to the base.
     ///
     /// # Errors
     /// [`ResponseError::Setting`] for sizes that do not agree, or what the reduction reports.
@@ -250,7 +250,7 @@ impl ResponseModel {
     /// damper. Conservative modes leave the damper out.
     ///
     /// # Errors
-    /// [`ResponseError::Setting`] for a damper that is not a positive number or stands beside a rigid stop,
+    /// [`ResponseError::Setting`] for a damper that is not a positive number or beside a rigid stop,
     /// [`ResponseError::Problem`] where the contact does not exist, has a damper already, or has no flexibility of its
     /// own: then it has mass, and a damper would make its force jump.
     pub fn add_stop_damper(&mut self, contact: usize, damper: f64) -> Result<(), ResponseError> {
@@ -272,7 +272,7 @@ impl ResponseModel {
     /// The linear mode `mode` (from 1) at the amplitude at which its nonlinear modes begin: where it first touches a
     /// stop, or, about a rest at which stops press, where the first contact changes its state; beside laws where these
     /// hardly matter yet, or at the energy that was set. Contacts that touch at rest without force
-    /// [stand back](Grazing::opening).
+    /// [are set back](Grazing::opening).
     ///
     /// # Errors
     /// As [`modal_grazing_opened`], [`about_rest`] and [`modal_start`], or what the reduction reports of the

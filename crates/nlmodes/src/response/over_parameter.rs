@@ -36,7 +36,7 @@ pub struct AtValue {
     pub level: f64,
     /// Derivative by the parameter.
     pub change: StructureChange,
-    /// The displacement whose amplitude is told; none for none.
+    /// The displacement whose amplitude is reported; none for none.
     pub watched: Option<Watched>,
 }
 

@@ -15,8 +15,8 @@ const SECTIONS: usize = 29;
 type Quantity<'a> = &'a dyn Fn(&ResponsePoint) -> f64;
 
 impl Curve<'_> {
-    /// Puts a point where the amplitude of the watched displacement is largest, and one where the contact force is: what
-    /// a parameter does to a maximum is its derivative at constant frequency there, and only there.
+    /// Puts a point where the amplitude of the watched displacement is largest, and one where the contact force is:
+    /// what a parameter does to a maximum is its derivative at constant frequency there, and only there.
     pub fn locate_peaks(&mut self, points: Vec<ResponsePoint>) -> Result<Vec<ResponsePoint>, ResponseError> {
         let is_over_frequency = matches!(self.system.closing().omega, Source::Parameter { .. });
         if self.settings.gradients.changes.is_empty() || !is_over_frequency {

@@ -142,7 +142,7 @@ impl fmt::Display for Finding {
                 )
             }
             Self::FrequencyLimit { omega } => {
-                write!(f, "the loop stands at the end of its range, {:.3} Hz", omega / std::f64::consts::TAU)
+                write!(f, "the loop is at the end of its range, {:.3} Hz", omega / std::f64::consts::TAU)
             }
         }
     }

@@ -250,8 +250,8 @@ impl Session {
         self.rig.set_states(rest.as_slice(), &Drive::sine([amplitude.re; 2], phase, omega));
     }
 
-    /// Records all channels for `duration` seconds (at least one sample), and the means over that time. The last channel
-    /// is the phase of the drive, [`DRIVE_PHASE`], rad in [0, 2π).
+    /// Records all channels for `duration` seconds (at least one sample), and the means over that time. The last
+    /// channel is the phase of the drive, [`DRIVE_PHASE`], rad in [0, 2π).
     ///
     /// # Errors
     /// As [`Session::step`].

@@ -73,7 +73,8 @@ impl VirtualTest {
         first.polynomial(0.0, 1.0 / session.rig().substeps() as f64, self.rig.interval).map(drop)
     }
 
-    /// The rig at rest, ready for the levels. Where harmonics are controlled the answer of the force is measured before.
+    /// The rig at rest, ready for the levels. Where harmonics are controlled the answer of the force is measured
+    /// before.
     ///
     /// # Errors
     /// As [`check`](Self::check); those of the motion; [`RigError::NotPositive`] without a first level to measure at.

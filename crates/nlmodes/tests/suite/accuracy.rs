@@ -121,8 +121,8 @@ fn harmonics_change_along_the_branch_of_the_beam() {
     assert_changes(&branch, 1e-3);
 }
 
-/// The beam's branch enters one tongue after another, where no number of harmonics reaches the accuracy: it goes on to
-/// its limit all the same.
+/// The beam's branch enters one internal-resonance branch after another, where no number of harmonics reaches the
+/// accuracy: it goes on to its limit all the same.
 #[test]
 fn the_branch_of_the_beam_goes_on_where_more_harmonics_do_not_help() {
     let (model, asked) = (beam(), 1e-3);
@@ -134,7 +134,7 @@ fn the_branch_of_the_beam_goes_on_where_more_harmonics_do_not_help() {
     let singular = |k: usize| points[k].has_event(Event::Kink) || points[k].has_event(Event::BranchPoint);
     assert!((0..points.len()).all(|k| points[k].error_estimate.is_some() || singular(k)));
     assert!(points.iter().any(|p| p.has_event(Event::AccuracyLimit)));
-    // The stretches that are named have all points beyond the accuracy, and no others.
+    // The segments that are named have all points beyond the accuracy, and no others.
     let stretches = branch.beyond_accuracy();
     let named = |k: usize| stretches.iter().any(|s| (s.points[0]..=s.points[1]).contains(&k));
     let beyond = |k: usize| points[k].error_estimate.map(|e| e > asked);
@@ -181,8 +181,8 @@ fn hardly_a_point_of_the_rod_misses_the_accuracy() {
     assert!(20 * reached.points_beyond < points, "{reached:?} of {points}");
 }
 
-/// With more harmonics the motion behind a tongue may lie before its foot at the same energy: such a beginning does not
-/// count.
+/// With more harmonics the motion behind an internal-resonance branch may lie before its base point at the same energy:
+/// such a beginning does not count.
 #[test]
 fn a_beginning_with_more_harmonics_that_lies_outside_of_the_limits_does_not_end_the_branch() {
     let internal_resonance = ResonanceRule::Skip;
@@ -201,8 +201,8 @@ fn a_branch_that_closes_after_a_change_goes_on_without_it() {
     assert_eq!(branch.branch.end.reasons, [EndReason::MaxEnergy], "{}", branch.branch.end.message);
 }
 
-/// Behind a tongue the way back to its foot is bounded in frequency, whose place among the unknowns changes with the
-/// number of harmonics.
+/// Behind an internal-resonance branch the way back to its base point is bounded in frequency, whose place among the
+/// unknowns changes with the number of harmonics.
 #[test]
 fn tongues_are_skipped_with_as_many_harmonics_as_it_takes() {
     let internal_resonance = ResonanceRule::Skip;
@@ -213,7 +213,7 @@ fn tongues_are_skipped_with_as_many_harmonics_as_it_takes() {
     assert!(branch.branch.end.complete, "{}", branch.branch.end.message);
     let count = |event| points.iter().filter(|point| point.has_event(event)).count();
     assert!(count(Event::TongueFoot) > 0 && count(Event::Resumed) > 0);
-    // Behind a tongue there are others than before it, and all reach the accuracy.
+    // Behind an internal-resonance branch there are others than before it, and all reach the accuracy.
     let reached = branch.accuracy.unwrap();
     assert!(reached.harmonics[0] < reached.harmonics[1] && reached.points_beyond == 0, "{reached:?}");
     assert!(points.iter().all(|point| point.omega <= 66.5 * std::f64::consts::TAU * (1.0 + 1e-9)));

@@ -118,8 +118,8 @@ fn the_tip_of_the_loop_is_a_branch_point_with_every_mesh() {
     }
 }
 
-/// The tongue of a coarse rod, whose tip lies beside two changes of contact: whatever the number of harmonics, the
-/// branch comes back from it.
+/// The internal-resonance branch of a coarse rod, whose tip lies beside two changes of contact: whatever the number of
+/// harmonics, the branch comes back from it.
 #[test]
 fn numbers_of_harmonics_that_hardly_differ_tell_the_same_story_of_a_coarse_rod() {
     let [a, b, c] = [13, 14, 15].map(|harmonics| {
@@ -146,7 +146,7 @@ fn motions_that_need_not_be_even_in_time_follow_the_same_branch() {
         // The phase brings no crossings of its own, at grazing or elsewhere.
         assert!(computed.branch.points.iter().all(|p| !p.has_event(Event::Kink)));
     }
-    // Up to the tip, where more arms meet, it costs little more.
+    // Up to the tip, where more half-branches meet, it costs little more.
     let [even_up, any_up] = [Symmetry::Even, Symmetry::None].map(|symmetry| {
         let settings = BranchSettings { symmetry, max_energy_ratio: Some(8.0), ..settings(3) };
         let computed = compute_branch(rod(), &settings, go_on_alone).unwrap();
@@ -218,8 +218,8 @@ fn a_skipped_tongue_leaves_the_backbone_as_it_is() {
     assert!(computed.branch.points.len() < followed.branch.points.len() / 2);
 }
 
-/// A strip of 0.8 mm before two stops in two systems of units of time: on the flank behind a tongue the share of the
-/// resonant harmonic falls, but is large everywhere.
+/// A strip of 0.8 mm before two stops in two systems of units of time: on the flank behind an internal-resonance branch
+/// the share of the resonant harmonic falls, but is large everywhere.
 #[test]
 fn behind_a_tongue_the_branch_goes_on_at_the_backbone_and_not_on_a_flank() {
     for second in [1.0, 1e3] {
@@ -273,7 +273,8 @@ fn beyond_its_tongues_the_backbone_of_the_beam_changes_little_up_to_20_harmonics
     };
     for hz in [40.3, 41.0, 44.4, 46.4, 50.0] {
         let [a, b] = [&few, &many].map(|branch| energy_at(branch, hz).unwrap());
-        // Between its tongues the branch still bends toward them: by 16 % of its energy, half a hertz, at 50 Hz.
+        // Between its internal-resonance branches the branch still bends toward them: by 16 % of its energy, half a
+        // hertz, at 50 Hz.
         assert!((b / a - 1.0).abs() < 0.2, "{hz} Hz: {a} with 5, {b} with 20 harmonics");
     }
 }
@@ -296,8 +297,8 @@ fn a_branch_starts_at_an_energy() {
     }
 }
 
-/// An exact branch comes back from the tip of the loop. Samples that do not divide a period in three part the arms
-/// there: the branch that ends on the second mode says so.
+/// An exact branch comes back from the tip of the loop. Samples that do not divide a period in three part the
+/// half-branches there: the branch that ends on the second mode says so.
 #[test]
 fn a_sampled_branch_that_leaves_its_mode_says_so() {
     let switching = |samples| BranchSettings { switching: Switching::Sampled { samples }, ..settings(3) };
@@ -316,7 +317,7 @@ fn a_sampled_branch_that_leaves_its_mode_says_so() {
         assert!(computed.branch.points.iter().all(|p| !p.has_event(Event::OtherMode)));
         assert!(computed.branch.end.complete, "{}", computed.branch.end.message);
     }
-    // Where the arm is asked for it is no failure.
+    // Where the half-branch is asked for it is no failure.
     let asked = BranchSettings { at_branch_point: BranchPointRule::Switch, ..settings(3) };
     let computed = compute_branch(rod(), &asked, go_on_alone).unwrap();
     assert!(computed.left_mode().is_some_and(|left| left.at_branch_point) && computed.branch.end.complete);

@@ -226,7 +226,7 @@ fn redundant_stops_act_as_one() {
     let two = follow(rod(20, &[(1.0, Side::Positive, 0.5); 2]), 5.0, 3);
     assert_eq!(one.branch.points.len(), two.branch.points.len());
     assert!((last_hz(&two) / last_hz(&one) - 1.0).abs() < 1e-11);
-    // With the same gap at the last nodes of a massless stretch, they touch at once and all but one bear nothing.
+    // With the same gap at the last nodes of a massless part, they touch at once and all but one bear nothing.
     let stops: Vec<_> = (0..5).map(|i| (1.0 - 0.05 * i as f64, Side::Positive, 0.5)).collect();
     follow(rod(20, &stops), 3.0, 3);
 }
@@ -250,8 +250,8 @@ fn a_branch_goes_on_where_harmonics_3_to_9_are_resonant_at_once() {
     let computed = follow(rod(600, &[(1.0, Side::Positive, 0.5)]), 3.6, 9);
     let free = held_rod(600) / 2.0;
     let hz = last_hz(&computed);
-    // Along a tongue: nearly at the frequency of the linear mode, half of that held, but for half an element of mass
-    // left out.
+    // Along an internal-resonance branch: nearly at the frequency of the linear mode, half of that held, but for half
+    // an element of mass left out.
     assert!((hz / free - 1.0).abs() < 2.0 / 600.0, "{hz} {free}");
 }
 

@@ -107,13 +107,14 @@ fn three_harmonics_pass_the_second_mode_at_its_own_grazing_and_come_back_on_the_
     let crossing: Vec<usize> = (0..points.len()).filter(|&i| points[i].has_event(Event::BranchPoint)).collect();
     assert_eq!(crossing.len(), 1, "{crossing:?}");
     let at = &points[crossing[0]];
-    // Four arms meet where the third harmonic alone is the second mode, just touching: f = f_2/3, E = E_g of mode 2.
+    // Four half-branches meet where the third harmonic alone is the second mode, just touching: f = f_2/3, E = E_g of
+    // mode 2.
     assert!((second.1 / first.1 - 9.000_503_46).abs() < 1e-8);
     assert!((hz(&computed, crossing[0]) / (second.0 / 3.0) - 1.0).abs() < 1e-7, "{}", hz(&computed, crossing[0]));
     assert!((at.kinetic_energy / second.1 - 1.0).abs() < 1e-5, "{}", at.kinetic_energy / second.1);
     let tip = |i: usize, n: usize| points[i].coefficients.of(ELEMENTS - 1)[n].re;
     assert!(tip(crossing[0], 1).abs() < 1e-3 * GAP && (tip(crossing[0], 3).abs() / GAP - 1.0).abs() < 1e-3);
-    // Up the tongue the third harmonic is in antiphase; on the other side in phase.
+    // Up the internal-resonance branch the third harmonic is in antiphase; on the other side in phase.
     let share = |i: usize| tip(i, 3) / tip(i, 1);
     assert!(share(crossing[0] / 2) < 0.0, "{}", share(crossing[0] / 2));
     let lowest =

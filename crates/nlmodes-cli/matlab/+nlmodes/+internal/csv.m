@@ -16,7 +16,7 @@ end
 end
 
 function fields = fields_of(line)
-% Fields between commas; those with a comma stand between quotes, in which a quote is doubled.
+% Fields between commas; those with a comma are written between quotes, in which a quote is doubled.
 line(line == 13) = [];
 if ~any(line == '"')
   fields = strsplit(line, ',', 'CollapseDelimiters', false);

@@ -1,7 +1,7 @@
 function yes = is_list(name, value)
 %IS_LIST  Whether a key holds a list even if there is one value only, for which MATLAB has no type of its own.
 %
-% Lists of numbers or texts have names in the plural; lists of tables are those that may stand several times in a scene.
+% Lists of numbers or texts have names in the plural; lists of tables are those that may occur several times in a scene.
 name = regexprep(name, '^.*\.', '');
 if isstruct(value)
   yes = any(strcmp(name, {'contact', 'force', 'static_force', 'spring', 'channel', 'segment', ...

@@ -1,7 +1,7 @@
 function value = with_absolute_paths(value)
 %WITH_ABSOLUTE_PATHS  The same scene, in which texts that name a file from the current folder name it from anywhere.
 %
-% A part of a file stands behind a hash: model.mat#K.
+% A part of a file follows a hash: model.mat#K.
 if isstruct(value)
   for name = fieldnames(value)'
     for k = 1:numel(value)

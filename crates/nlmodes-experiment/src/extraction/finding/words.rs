@@ -200,7 +200,7 @@ impl fmt::Display for Finding {
                 1e6 * change
             ),
             Self::LostSamples { samples, from, to } => {
-                let way = if *samples < 0.0 { "stand twice" } else { "are lost" };
+                let way = if *samples < 0.0 { "occur twice" } else { "are lost" };
                 write!(
                     f,
                     "{} samples {way} between samples {from} and {to}; the longer part beside them is used",

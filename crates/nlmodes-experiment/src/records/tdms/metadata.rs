@@ -63,7 +63,7 @@ impl Property {
     }
 }
 
-/// Bytes of which numbers are taken one after the other; `byte` is where the first stands in the file.
+/// Bytes of which numbers are taken one after the other; `byte` is the place of the first in the file.
 pub struct Cursor<'a> {
     pub bytes: &'a [u8],
     pub at: usize,

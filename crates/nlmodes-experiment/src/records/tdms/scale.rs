@@ -59,7 +59,7 @@ impl Scales {
                     polynomials.push((0..terms).map(term).collect::<Result<_, _>>()?);
                     number(&name("Polynomial_Input_Source"))
                 }
-                // The properties of a device may stand for its raw numbers.
+                // The properties of a device may represent its raw numbers.
                 None => Some(RAW),
                 Some(other) => {
                     return refuse(format!(

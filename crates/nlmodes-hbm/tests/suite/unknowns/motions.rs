@@ -1,4 +1,5 @@
-//! What is told of a motion: responses before they touch, multipliers, power, the way to contacts that touch at rest.
+//! What is reported of a motion: responses before they touch, multipliers, power, the way to contacts that touch at
+//! rest.
 
 use crate::unknowns::support::modal::{Open, newton, settings, solver};
 use crate::unknowns::support::{condense, on_springs, rod};
@@ -152,7 +153,7 @@ fn coefficients_of_modal_coordinates_are_those_coordinates_as_the_contacts_see_t
     }
 }
 
-/// Before contacts that touch at rest: derivatives along the way from those that stand back, its begin and its end.
+/// Before contacts that touch at rest: derivatives along the way from those that are set back, its begin and its end.
 #[test]
 fn the_way_to_contacts_that_touch_at_rest_is_smooth_and_begins_and_ends_as_it_is_told() {
     for stops in [vec![(5, Side::Positive, 0.0)], vec![(5, Side::Positive, 0.0), (2, Side::Negative, 0.0)]] {

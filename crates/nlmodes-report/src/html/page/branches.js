@@ -199,7 +199,7 @@ function legend(box, charts) {
   const note = (dash, text) => { const entry = html(list, "span"); line(entry, "currentColor", dash); html(entry, "span", {}, text); };
   if (DATA.branches.some(branch => branch.grazing !== null)) note("6 4", "linear mode");
   if (DATA.branches.some(branch => branch.unstable.length > 0)) note("3 3", "unstable");
-  // What an event means is said where it is asked for.
+  // What an event means is shown where it is asked for.
   const said = html(box, "p", { class: "hint", role: "status" });
   for (const { name, shape, fill: color, meaning } of DATA.eventSymbols) {
     const entry = meaning ? html(list, "button", { type: "button", class: "event", "aria-expanded": "false", title: meaning }) : html(list, "span");

@@ -1,6 +1,6 @@
 // Other results over those of the page: a table of a run or of a test, or the page of another run.
 
-/// Points from which on their median is said.
+/// Points from which on their median is given.
 const FEW = 5;
 /// Largest difference in per cent, of either sign, that is called agreement.
 const AGREES = 0.1;
@@ -98,7 +98,7 @@ function difference(laid, own) {
     if (laid.scattered) return void (there.length > 1 ? several.push(there.map(percent)) : found.push(percent(there[0])));
     const isFirst = k >= other[0] && k <= other[1], beside = isFirst ? motions(part(own, mine), wanted) : [];
     if (beside.length === 1) return void found.push(percent(beside[0]));
-    // With several motions of an amplitude, as at a tongue, the nearest may be on another arm.
+    // With several motions of an amplitude, as at an internal resonance, the nearest may be on another half-branch.
     if ((isFirst && mine[1] >= mine[0]) || Math.max(there.length, motions(laid, wanted).length) > 1) return void others++;
     found.push(percent(there[0]));
   });

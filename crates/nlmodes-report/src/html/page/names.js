@@ -1,4 +1,4 @@
-// Where the names of symbols stand: on nothing else, as far as there is room.
+// Where the names of symbols are placed: on nothing else, as far as there is room.
 
 const HIDES = 100;
 /// Least distance of two names on one line, pixels: closer ones read as one.

@@ -1,4 +1,4 @@
-// Numbers that stand on the page as text: whole ones of 16 bits with a factor, and columns of 32 bits.
+// Numbers that are on the page as text: whole ones of 16 bits with a factor, and columns of 32 bits.
 
 const bytesOf = text => new DataView(Uint8Array.from(atob(text), letter => letter.charCodeAt(0)).buffer);
 

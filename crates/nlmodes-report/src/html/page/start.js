@@ -1,4 +1,4 @@
-// The page as a whole: what is chosen, and who is told.
+// The page as a whole: what is chosen, and who is notified.
 
 const DATA = unpackData(JSON.parse(document.getElementById("data").textContent));
 

@@ -40,7 +40,7 @@ fn is_there((_, value): &&(&str, Option<f64>)) -> bool {
     value.is_some()
 }
 
-/// Stops with a law of force stand behind the others, at nodes with mass, and move with a base that shakes.
+/// Stops with a law of force follow the others, at nodes with mass, and move with a base that shakes.
 pub fn check(raw: &RawAnalysis, is_open: bool, contacts: &[Contact], diagnostics: &mut Diagnostics<'_>) {
     let Some(first) = contacts.iter().position(|contact| contact.hertz.is_some()) else { return };
     if let Some(other) = (first..contacts.len()).find(|i| contacts[*i].hertz.is_none()) {
@@ -60,7 +60,8 @@ pub fn check(raw: &RawAnalysis, is_open: bool, contacts: &[Contact], diagnostics
     }
     if raw.base_motion.as_ref().is_some_and(|base| base.stop == Some(StopOfBase::Fixed)) {
         let diagnostic = Diagnostic::error("a stop with a law of force that is fixed while the base moves");
-        let help = "`stop = \"moves\"` is a stop that the base carries; linear ones (`stiffness_n_m`) may stand still";
+        let help = "`stop = \"moves\"` is a stop that the base carries; linear ones (`stiffness_n_m`) may be fixed in \
+            space";
         diagnostics.put("base_motion.stop", diagnostic.help(help), "expected \"moves\"");
     }
 }

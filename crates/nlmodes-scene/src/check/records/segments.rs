@@ -71,7 +71,7 @@ fn told(raw: &RawRecordSegment, key: &str, diagnostics: &mut Diagnostics<'_>) ->
     let has_times = raw.from_s.is_some() || raw.to_s.is_some();
     let ways = [has_times, raw.flag.is_some(), raw.segments.is_some()];
     if ways.into_iter().filter(|way| *way).count() != 1 {
-        let said = if ways.contains(&true) { "is told in several ways" } else { "does not say which part it is" };
+        let said = if ways.contains(&true) { "is given in several ways" } else { "does not say which part it is" };
         diagnostics.put(key, Diagnostic::error(format!("`{key}` {said}")), WAYS);
         return None;
     }
@@ -96,7 +96,7 @@ fn told(raw: &RawRecordSegment, key: &str, diagnostics: &mut Diagnostics<'_>) ->
     None
 }
 
-/// Why two rules cannot stand beside each other.
+/// Why two rules exclude each other.
 struct Clash {
     title: String,
     label: String,

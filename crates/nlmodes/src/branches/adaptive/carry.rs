@@ -28,7 +28,7 @@ const NEAR: f64 = 0.1;
 const OFF: f64 = 2.0;
 const RESOLVED: f64 = 1e-7;
 
-/// Distance over the estimated error below which points cannot be told apart, and how far a branch is off the chord
+/// Distance over the estimated error below which points cannot be distinguished, and how far a branch is off the chord
 /// between two points, over their distance.
 pub(super) const LIKE: f64 = 4.0;
 const STRAIGHT: f64 = 0.1;
@@ -88,7 +88,8 @@ impl Tracer<'_> {
 
     /// Whether a solution with more harmonics than the guess `z` is shown to be on the same branch, within these limits
     /// of the frequency: its tangent points the same way, and it lies no further off than the estimate with the fewer
-    /// harmonics says, `expected` over the unknowns. Next to a tongue that only one of them knows neither holds.
+    /// harmonics says, `expected` over the unknowns. Next to an internal-resonance branch that only one of them knows
+    /// neither holds.
     fn is_same(
         &mut self,
         seed: &Seed,
@@ -132,8 +133,8 @@ impl Place {
     }
 
     /// Whether the branch has passed here before among its first `count` points, the other way, for all that can be
-    /// told with this error: on the far side of a tongue that only the fewer harmonics have, other ones have but the
-    /// branch beside it, and lead back along that.
+    /// reported with this error: on the far side of an internal-resonance branch that only the fewer harmonics have,
+    /// other ones have but the branch beside it, and lead back along that.
     pub fn passed_before(&self, at: &BranchPoint, error: f64, earlier: &Found, count: usize) -> bool {
         let rises = at.tangent.last().is_some_and(|t| *t > 0.0);
         let energy = |k: usize| (earlier.points[k].kinetic_energy / self.energy).ln();

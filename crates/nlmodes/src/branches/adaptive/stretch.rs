@@ -51,9 +51,9 @@ pub(super) struct Stretch {
     pub at_limit: bool,
     /// Points that were shown with this accuracy.
     accurate: Vec<Base>,
-    /// Where the number of harmonics was changed. Behind a tongue that only the former number has, another one may know
-    /// but the branch beside it, and lead back along that: the beam of Peter et al. falls back to grazing with an
-    /// accuracy of 2e-3 where changes stay.
+    /// Where the number of harmonics was changed. Behind an internal-resonance branch that only the former number has,
+    /// another one may know but the branch beside it, and lead back along that: the beam of Peter et al. falls back to
+    /// grazing with an accuracy of 2e-3 where changes stay.
     pub changes: Vec<Base>,
     /// Points in a row since the last one that lie where the branch has been before it.
     back: usize,

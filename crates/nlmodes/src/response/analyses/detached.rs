@@ -7,7 +7,7 @@ use crate::response::{EndReason, ResponseCurve, ResponseError, ResponseModel, Re
 /// The response over the frequency through a point of another curve at its level, such as a phase resonance that no
 /// curve from the ends of the window reaches: a detached curve, which is closed where it lies within the window.
 ///
-/// Upwards in frequency first; where that way does not come back, the way down stands before it in reverse order.
+/// Upwards in frequency first; where that way does not come back, the way down precedes it in reverse order.
 ///
 /// # Errors
 /// As [`frequency_response`](crate::response::frequency_response).

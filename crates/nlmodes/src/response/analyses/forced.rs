@@ -347,7 +347,7 @@ pub(super) fn touch(
 /// Share of how far the load would move contacts that touch by which they are set back at first.
 const SET_BACK: f64 = 0.5;
 
-/// The response with contacts that touch at rest: that with the same load before contacts that stand back, to which
+/// The response with contacts that touch at rest: that with the same load before contacts that are set back, to which
 /// these are then closed.
 fn closing(
     model: &ResponseModel,

@@ -79,7 +79,7 @@ fn begin(
 const CLEAR: f64 = 1.1;
 
 /// Before contacts that touch at rest without force, which no level leaves alone: phase resonance at half the least
-/// level that is asked for before contacts that stand back, to which these are then closed.
+/// level that is asked for before contacts that are set back, to which these are then closed.
 fn begin_touching(
     model: &ResponseModel,
     touching: &[usize],

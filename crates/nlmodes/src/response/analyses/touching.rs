@@ -5,11 +5,11 @@ use nlmodes_hbm::{FEW_HARMONICS, PeriodicSystem, RealSeries, harmonics_on_the_wa
 use crate::response::follow::{Curve, newton};
 use crate::response::{ResponseError, ResponseSettings};
 
-/// Most points on the way from contacts that stand back to contacts that touch.
+/// Most points on the way from contacts that are set back to contacts that touch.
 const MOST: usize = 1000;
 
 /// Unknowns of a mode or a phase resonance before contacts that touch at rest without force: those to which `x` lead,
-/// its motion at the parameter zero before contacts that stand back by `opening` (m, c), as these are closed.
+/// its motion at the parameter zero before contacts that are set back by `opening` (m, c), as these are closed.
 ///
 /// They are closed with few harmonics, whose curves little interrupts, and the motion is then corrected with more and
 /// more.

@@ -168,7 +168,7 @@ impl<'s, 'f> Extended<'s, 'f> {
         Ok(&mut self.known(value)?.system)
     }
 
-    /// The displacement whose amplitude is told.
+    /// The displacement whose amplitude is reported.
     pub fn watched(&mut self, value: f64) -> Result<Option<Watched>, ResponseError> {
         Ok(self.known(value)?.at.watched.clone())
     }

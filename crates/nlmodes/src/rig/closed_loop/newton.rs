@@ -132,7 +132,8 @@ impl ClosedLoop {
 }
 
 impl Derivatives {
-    /// Change of the entries, with the logarithm of the frequency in the place of the phase, that takes the defect away.
+    /// Change of the entries, with the logarithm of the frequency in the place of the phase, that takes the defect
+    /// away.
     fn newton(&self, defect: &[f64]) -> Option<Vec<f64>> {
         let n = defect.len();
         let mut matrix = self.by_state.clone();

@@ -15,8 +15,8 @@ fn folds(curve: &ResponseCurve) -> Vec<f64> {
     curve.points.iter().filter(|p| p.events.contains(&Event::Fold)).map(|p| p.omega).collect()
 }
 
-/// What a fold is said to change by is what it changes by in a curve with twice as many harmonics, as far as the line
-/// across the coarser curve meets the finer one next to its own fold.
+/// What a fold is reported to change by is what it changes by in a curve with twice as many harmonics, as far as the
+/// line across the coarser curve meets the finer one next to its own fold.
 #[test]
 fn folds_move_by_what_is_said() {
     let model = rod_of_two();

@@ -332,7 +332,7 @@ fn one_mass_on_a_spring_scales_with_its_units() {
     for units in [[1.0; 3], [2e-4, 3e-6, 7e-3]] {
         let chain = Chain { masses: 1, modes: 1, stops: &[0], is_rigid: false, units };
         let settings = chain.settings(1e-2, 1e2);
-        // The only spring and mass of this chain stand in the place of those that vary in the others.
+        // The only spring and mass of this chain take the place of those that vary in the others.
         let model = |factors: [f64; 4]| {
             let [kg, m, s] = units;
             let [k, stop, gap, mass] = factors;

@@ -102,8 +102,8 @@ fn multipliers_leave_the_circle_at_the_limit_of_routh() {
 }
 
 /// `docs/experiment.md` has these multipliers at a fixed frequency, from a Poincaré map of its own
-/// (`examples/frozen_frequency.rs`): at 6.5 N −0.667 ± 0.795i, of magnitude 1.037. There the loop, which is much slower,
-/// changes nothing. At 5 N two motions coexist, of which the way up and the way down have one each.
+/// (`examples/frozen_frequency.rs`): at 6.5 N −0.667 ± 0.795i, of magnitude 1.037. There the loop, which is much
+/// slower, changes nothing. At 5 N two motions coexist, of which the way up and the way down have one each.
 #[test]
 fn the_beam_loses_its_level_at_six_and_a_half_newton() {
     let resonance = Resonance { omega: TAU * beam::FREQUENCIES_HZ[0], damping_ratio: beam::DAMPING_RATIOS[0] };

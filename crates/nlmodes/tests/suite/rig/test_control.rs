@@ -85,7 +85,8 @@ fn levels_with_contact_are_held_within_the_noise() {
     assert_eq!(session.next_level().unwrap(), None);
 }
 
-/// Stepped response, below contact and with contact: there the amplitude that 1 V and 1.2 V give differs by 0.16 % only.
+/// Stepped response, below contact and with contact: there the amplitude that 1 V and 1.2 V give differs by 0.16 %
+/// only.
 #[test]
 fn a_response_is_brought_to_its_level() {
     let levels = [1.4e-5, 1.7683e-5];
