@@ -56,9 +56,14 @@ impl DataTable {
     }
 }
 
+/// Most letters of a cell that is kept on one line since it begins like a number; lists of ranges are longer.
+const UNBROKEN: usize = 40;
+
 /// A cell; `text` determines its alignment.
 pub(super) fn cell(text: &str, html: &str) -> String {
-    let number = text.trim_start_matches(['−', '+']).starts_with(|c: char| c.is_ascii_digit()) || text == "–";
+    let is_short = text.chars().count() <= UNBROKEN;
+    let number = is_short && text.trim_start_matches(['−', '+']).starts_with(|c: char| c.is_ascii_digit());
+    let number = number || text == "–";
     let class = if number { " class=\"number\"" } else { "" };
     format!("<td{class}>{html}</td>")
 }
