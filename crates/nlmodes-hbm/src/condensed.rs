@@ -77,7 +77,12 @@ impl CondensedStructure {
             }
         };
         let failed = |source| HbmError::Linalg { what: "stiffness K_NN of the contact degrees of freedom", source };
-        let pressed = DenseLu::factor(model.k_nn()).map_err(failed)?.solve_columns(model.w());
+        let mut pressed = DenseLu::factor(model.k_nn()).map_err(failed)?.solve_columns(model.w());
+        // The structure moves by less than nodes with a part of their stops in them.
+        for (i, contact) in model.contacts().iter().enumerate().filter(|(_, contact)| contact.lent > 0.0) {
+            let own = (0..pressed.nrows()).filter(|d| model.contact_dofs()[*d] == contact.dof);
+            own.for_each(|d| pressed[(d, i)] -= contact.direction() * contact.lent);
+        }
         let rows = |dofs: &[usize]| match &reduction {
             Some(reduction) => reduction.rows_of_dofs(&open, dofs),
             None => open.rows_of_dofs(dofs),

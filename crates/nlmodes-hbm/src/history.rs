@@ -46,7 +46,7 @@ impl ContactOperator {
             let tau = TAU * j as f64 / samples as f64;
             let set = self.sets.get(self.set_at(tau));
             self.free_gaps_at(tau, &mut at);
-            let (gap, force) = state_in(set, contact, of.law.compliance(), &at);
+            let (gap, force) = state_in(set, contact, of.stop_compliance(), &at);
             history.push(tau / omega, along(&of, omega, gap), force);
         }
         history
@@ -68,7 +68,7 @@ impl ContactOperator {
             let set = self.sets.get(self.set_at(tau));
             self.free_gaps_at(tau, &mut at);
             for (i, (history, of)) in histories.iter_mut().zip(contacts).enumerate() {
-                let (gap, force) = state_in(set, i, of.law.compliance(), &at);
+                let (gap, force) = state_in(set, i, of.stop_compliance(), &at);
                 history.push(tau / omega, along(of, omega, gap), force);
             }
         }
@@ -101,7 +101,7 @@ impl ContactOperator {
             self.free_gaps_at(tau, &mut at);
             last = (tau / omega).max(f64::next_up(last));
             for (i, (history, of)) in histories.iter_mut().zip(contacts).enumerate() {
-                let (gap, force) = state_in(set, i, of.law.compliance(), &at);
+                let (gap, force) = state_in(set, i, of.stop_compliance(), &at);
                 history.push(last, along(of, omega, gap), force);
             }
         }

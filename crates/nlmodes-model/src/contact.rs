@@ -57,12 +57,15 @@ pub struct Contact {
     pub gap: f64,
     /// Rigid, or with a contact stiffness.
     pub law: ContactLaw,
+    /// Compliance of the stop that the stiffness of the model contains, in series with the contact node, m/N; `law` has
+    /// the rest. Zero but for nodes that would have no flexibility of their own.
+    pub lent: f64,
 }
 
 impl Contact {
     /// A rigid contact in any direction.
     pub fn new(normal: SparseDirection, gap: f64) -> Self {
-        Self { normal, gap, law: ContactLaw::Rigid }
+        Self { normal, gap, law: ContactLaw::Rigid, lent: 0.0 }
     }
 
     /// A rigid stop at the degree of freedom `dof`: `w = −1` on the positive side, `+1` on the negative one.
@@ -113,7 +116,7 @@ impl Contact {
             [(_, w)] if *w == 1.0 => Side::Negative,
             _ => return None,
         };
-        Some(DofContact { dof: self.normal.entries()[0].0, side, gap: self.gap, law: self.law })
+        Some(DofContact { dof: self.normal.entries()[0].0, side, gap: self.gap, law: self.law, lent: self.lent })
     }
 }
 
@@ -129,9 +132,17 @@ pub struct DofContact {
     pub gap: f64,
     /// Rigid, or with a contact stiffness.
     pub law: ContactLaw,
+    /// Compliance of the stop that the stiffness of the model contains, as in [`Contact::lent`], m/N.
+    pub lent: f64,
 }
 
 impl DofContact {
+    /// Compliance of the whole stop, m/N: with it, and not with that of `law`, a gap `g` and a force `λ` tell how far
+    /// the structure has moved, `q = c λ − g` toward the stop.
+    pub fn stop_compliance(&self) -> f64 {
+        self.law.compliance() + self.lent
+    }
+
     /// Entry of `W` for this contact, eq. (2): +1 or −1.
     pub fn direction(&self) -> f64 {
         -self.side.sign()
@@ -140,7 +151,7 @@ impl DofContact {
 
 impl From<DofContact> for Contact {
     fn from(of: DofContact) -> Self {
-        Self { law: of.law, ..Self::stop(of.dof, of.side, of.gap) }
+        Self { law: of.law, lent: of.lent, ..Self::stop(of.dof, of.side, of.gap) }
     }
 }
 
@@ -205,7 +216,7 @@ mod tests {
             let stop = Contact::elastic(3, side, 0.2, 5.0);
             let single = stop.single_dof().unwrap();
             let law = ContactLaw::Elastic { stiffness: 5.0 };
-            assert_eq!(single, DofContact { dof: 3, side, gap: 0.2, law });
+            assert_eq!(single, DofContact { dof: 3, side, gap: 0.2, law, lent: 0.0 });
             assert_eq!(Contact::from(single), stop);
             assert_eq!(stop.normal.dot(&[0.0, 0.0, 0.0, 1.0]), -side.sign());
         }

@@ -27,7 +27,7 @@ use thiserror::Error;
 
 pub use open::{NodeContacts, OpenStructure, dofs, free_modes, node_contacts};
 pub use places::{Body, node_weights, row_weights};
-pub use reduced::{ReducedElsewhere, ReducedProblem};
+pub use reduced::{PictureMesh, ReducedElsewhere, ReducedProblem};
 pub use shared::Structures;
 pub use static_loads::StaticState;
 pub use strainless::Strainless;
@@ -286,6 +286,15 @@ pub enum StructureError {
         /// What is wrong with the place.
         why: String,
     },
+    /// Stops that leave it no place at all.
+    #[error(
+        "the structure does not fit between stops {contacts} (counted from 0): wherever it rests, it penetrates one of \
+        them; expected larger gaps, or stops that yield (`stiffness_n_m`)"
+    )]
+    NoRoom {
+        /// The stops, from 0.
+        contacts: String,
+    },
     /// The contact forces at rest are not found.
     #[error("contact forces at rest under the static loads")]
     Rest(#[source] LcpError),
@@ -297,6 +306,7 @@ pub enum StructureError {
 impl From<ReductionError> for StructureError {
     fn from(error: ReductionError) -> Self {
         match error {
+            ReductionError::Rest(LcpError::Infeasible { ray }) => Self::NoRoom { contacts: pressing(&ray) },
             ReductionError::Unstable { mode, omega_squared } => Self::Buckled { mode, omega_squared },
             ReductionError::Linalg {
                 source: LinalgError::NotPositiveDefinite { what: "shifted stiffness matrix", .. },
@@ -305,6 +315,16 @@ impl From<ReductionError> for StructureError {
             error => Self::Reduction(error),
         }
     }
+}
+
+/// Share of the largest force of a proof of contradictory contacts up to which a contact has no part in it.
+const NO_PART: f64 = 1e-6;
+
+/// The contacts that contradict each other.
+fn pressing(ray: &[f64]) -> String {
+    let largest = ray.iter().copied().fold(0.0, f64::max);
+    let part = ray.iter().enumerate().filter(|(_, force)| **force > NO_PART * largest);
+    part.map(|(contact, _)| contact.to_string()).collect::<Vec<_>>().join(", ")
 }
 
 impl StructureError {
@@ -326,7 +346,7 @@ impl StructureError {
             | Self::StaticFile { key, .. }
             | Self::StaticRow { key, .. } => (*key).to_owned(),
             Self::StaticForce { force, .. } => format!("static_force.{force}"),
-            Self::Rest(_) => "contact".into(),
+            Self::NoRoom { .. } | Self::Rest(_) => "contact".into(),
             Self::Reduction(ReductionError::NoMode { .. } | ReductionError::OnlyRigidModes { .. }) => {
                 "reduction".into()
             }

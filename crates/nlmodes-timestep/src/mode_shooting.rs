@@ -157,7 +157,7 @@ impl ModeShooting {
             total_energy: motion.total_energy,
             modal_amplitude,
             peak: match touches {
-                true => contact.gap + contact.law.compliance() * contacts[0].peak_force,
+                true => contact.gap + contact.stop_compliance() * contacts[0].peak_force,
                 false => contact.gap - trajectory.smallest_gap(0),
             },
             contact_fraction: share(&intervals, 0, period),
@@ -205,7 +205,7 @@ impl ModeShooting {
         let states: Vec<_> = time.iter().map(|t| trajectory.contact_state(contact, *t)).collect();
         // Where the contact is closed, its stop is deformed by its own compliance.
         let beyond = |order: usize| -> Vec<f64> {
-            states.iter().map(|s| of.side.sign() * (of.law.compliance() * s.force[order] - s.gap[order])).collect()
+            states.iter().map(|s| of.side.sign() * (of.stop_compliance() * s.force[order] - s.gap[order])).collect()
         };
         let stop = of.side.sign() * of.gap;
         Ok(TimeHistory {
@@ -245,7 +245,7 @@ impl ModeShooting {
             for ((history, of), state) in histories.iter_mut().zip(contacts).zip(states) {
                 // Where the contact is closed, its stop is deformed by its own compliance.
                 let beyond =
-                    |order: usize| of.side.sign() * (of.law.compliance() * state.force[order] - state.gap[order]);
+                    |order: usize| of.side.sign() * (of.stop_compliance() * state.force[order] - state.gap[order]);
                 history.push(last, [history.stop + beyond(0), beyond(1), beyond(2)], state.force[0]);
             }
         }

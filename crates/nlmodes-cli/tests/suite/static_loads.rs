@@ -282,6 +282,57 @@ fn a_pressed_mass_has_the_frequencies_of_its_two_parts() -> Outcome {
     Ok(())
 }
 
+/// Angular frequency of a mass of 1 kg on 1 N/m pressed by 0.05 m into a stop of 20 N/m on either side, of this
+/// amplitude: on both stops up to 0.05 m, beyond on one of them.
+fn between_stops(amplitude: f64) -> f64 {
+    let (both, one) = (41.0_f64.sqrt(), 21.0_f64.sqrt());
+    if amplitude <= 0.05 {
+        return both;
+    }
+    // x + 20 (x + 0.05) is 21 (x + 1/21): beyond 0.05 m a motion about −1/21 m.
+    let (centre, beyond) = (1.0 / 21.0, amplitude + 1.0 / 21.0);
+    let outside = ((0.05 + centre) / beyond).acos();
+    let speed = beyond * one * outside.sin();
+    let inside = (0.05 * both).atan2(speed);
+    std::f64::consts::FRAC_PI_2 / (outside / one + inside / both)
+}
+
+/// Two elastic stops that press a mass between them: both have their whole stiffness up to the amplitude at which one
+/// is left. Frequency, energy ½ k x² + ½ k_c Σ (…)² from rest, and the largest displacement are those of its pieces.
+#[test]
+fn a_mass_is_pressed_between_two_stops() -> Outcome {
+    for (amplitude, omega) in [(0.05, 6.4031), (0.1, 5.7537), (1.0, 4.7191)] {
+        assert!((between_stops(amplitude) / omega - 1.0_f64).abs() < 1e-5);
+    }
+    let stop = |side: &str| format!("[[contact]]\nrow = 1\nside = \"{side}\"\ngap_m = -0.05\nstiffness_n_m = 20.0\n");
+    let text = format!(
+        "[structure]\nkind = \"reduced\"\nfrequencies_hz = [0.15915494309189535, 50.0]\n\
+         contact_rows = [[1.0, 0.0]]\nresidual_flexibility_m_n = [[0.0]]\n{}{}[method]\nharmonics = 30\n\
+         [continuation]\nmax_energy_ratio = 1000.0\n[output]\nstability = \"never\"\n",
+        stop("positive"),
+        stop("negative"),
+    );
+    for more in ["", BY_MASS] {
+        let (folder, summary) = run(&format!("{text}{more}"), &[])?;
+        let rest = [0, 1].map(|i| number(&summary["rest"][i]["force_n"]));
+        assert!(rest.iter().all(|force| (force - 1.0).abs() < 1e-12), "{rest:?}");
+        let rows = rows(&folder)?;
+        for row in &rows {
+            let (omega, amplitude) = (row["frequency_hz"] * std::f64::consts::TAU, row["peak_m"]);
+            assert!((omega / between_stops(amplitude) - 1.0).abs() < 1e-5, "{row:?}");
+            assert!((row["peak_contact_force_n"] / (20.0 * (amplitude + 0.05)) - 1.0).abs() < 1e-9, "{row:?}");
+            if more.is_empty() {
+                let stops = 20.0 * amplitude.powi(2).min(0.5 * (amplitude + 0.05).powi(2) - 0.0025);
+                let energy = 0.5 * amplitude.powi(2) + stops;
+                assert!((row["total_energy_j"] / energy - 1.0).abs() < 1e-4, "{row:?}");
+            }
+        }
+        let last = rows.last().ok_or("no points")?;
+        assert!((rows[0]["peak_m"] / 0.05 - 1.0).abs() < 1e-9 && last["peak_m"] > 1.0, "{last:?}");
+    }
+    Ok(())
+}
+
 /// Before a stop that touches at rest without force all amplitudes have the frequency `2ω₀ω₁/(ω₀ + ω₁)`, also damped;
 /// phase resonance is as large as its level.
 #[test]
@@ -344,6 +395,10 @@ fn loads_that_do_not_fit_are_refused() -> Outcome {
         (format!("{ROD}[[static_force]]\nnodes = [3]\nforce_n = 1.0\n"), "are nodes of a structure from files"),
         (format!("{ROD}[gravity]\ndirection = \"transverse\"\n"), "cannot be \"transverse\" on a rod"),
         (format!("{ROD}[gravity]\nacceleration_m_s2 = -9.81\n"), "gravity.acceleration_m_s2"),
+        (
+            mass_with_tip(-0.05, "[[contact]]\nrow = 1\nside = \"negative\"\ngap_m = 0.04\n"),
+            "the structure does not fit between stops 0, 1 (counted from 0)",
+        ),
     ];
     for (text, wanted) in cases {
         let folder = tempdir()?;

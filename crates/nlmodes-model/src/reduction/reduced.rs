@@ -66,13 +66,14 @@ impl ReducedStructure {
         if places.len() != c {
             return Err(ReductionError::Dimension { what: "places of the contacts", expected: c, found: places.len() });
         }
-        let (first, mut direction_of) = directions(open);
+        let (first, direction_of) = directions(open);
+        let lent = lent(open, &direction_of, first.len());
+        let (first, mut direction_of) = apart(first, direction_of, &lent);
         let d = first.len();
         let (turned, kinds): (Vec<f64>, Vec<DofKind>) = first.iter().map(|&i| of(&column(open, i))).unzip();
         direction_of.iter_mut().for_each(|(d, sign)| *sign *= turned[*d]);
-        let lent = lent(open, &direction_of, d);
         let a = Mat::from_fn(d, d, |i, j| {
-            turned[i] * turned[j] * open.flexibility()[(first[i], first[j])] + if i == j { lent[i] } else { 0.0 }
+            turned[i] * turned[j] * open.flexibility()[(first[i], first[j])] + if i == j { lent[first[i]] } else { 0.0 }
         });
         let least_share = least_share(open, &first, &a)?;
         let stiffness = inverse(&a)?;
@@ -87,7 +88,7 @@ impl ReducedStructure {
         let modal = (0..m).map(|r| Dof { node: r, position: 0.0, kind: DofKind::Modal });
         let touching = first.iter().zip(kinds);
         let touching = touching.map(|(&i, kind)| Dof { node: places[i].0, position: places[i].1, kind });
-        let contacts = (0..c).map(|i| stop(open, (i, lent[direction_of[i].0]), m, direction_of[i])).collect();
+        let contacts = (0..c).map(|i| stop(open, (i, lent[i]), m, direction_of[i])).collect();
         let model = StructuralModel::new(mass, k, modal.chain(touching).collect(), contacts)?;
         Ok(Self { model, direction_of, stiffness, rows, least_share })
     }
@@ -238,13 +239,17 @@ pub(crate) fn made_of(model: &MasslessContactModel) -> Result<Option<OpenModes>,
         let both = model.contact_dofs().iter().enumerate();
         both.for_each(|(e, &j)| flexibility[(i, j)] = 0.5 * (own[(d, e)] + own[(e, d)]));
     }
+    for contact in model.contacts() {
+        flexibility[(contact.dof, contact.dof)] -= contact.lent;
+    }
     let of = GivenModes {
         omega_squared: order.iter().map(|&r| square(r)).collect(),
         rows,
         flexibility: GivenFlexibility::Residual(flexibility),
     };
     let contacts: Vec<Contact> = model.contacts().iter().copied().map(Contact::from).collect();
-    let (directions, gaps, compliance) = stops(&contacts, n)?;
+    let (directions, gaps, mut compliance) = stops(&contacts, n)?;
+    compliance.iter_mut().zip(&contacts).for_each(|(own, contact)| *own += contact.lent);
     let open = OpenModes::given(of, directions, gaps, compliance)?;
     let Some(steady) = model.steady_force() else { return Ok(Some(open)) };
     let on = |mode: usize| (0..n).map(|i| open.shapes()[(i, mode)] * steady.force[i]).sum();
@@ -288,14 +293,14 @@ fn stop(open: &OpenModes, (i, lent): (usize, f64), m: usize, (direction, sign): 
     let contact = Contact::stop(m + direction, side, open.gaps()[i]);
     match open.stop_compliance()[i] {
         0.0 => contact,
-        compliance => contact.on_spring(1.0 / (compliance - lent)),
+        compliance => Contact { lent, ..contact.on_spring(1.0 / (compliance - lent)) },
     }
 }
 
 /// Share of the compliance of an elastic stop that its contact node takes where the structure leaves it none.
 const LENT: f64 = 1e-2;
 
-/// What elastic stops lend to the flexibility of each direction, m/N: `0 ≤ λ ⊥ g₀ + Y η + (A + C) λ ≥ 0` asks for the
+/// What each elastic stop lends to the flexibility of its node, m/N: `0 ≤ λ ⊥ g₀ + Y η + (A + C) λ ≥ 0` asks for the
 /// sum of both alone, so that masses which pound each other through springs need no flexibility of their own.
 fn lent(open: &OpenModes, direction_of: &[(usize, f64)], directions: usize) -> Vec<f64> {
     let least = |d: usize| {
@@ -304,9 +309,24 @@ fn lent(open: &OpenModes, direction_of: &[(usize, f64)], directions: usize) -> V
     };
     let is_short = |d: usize| {
         let of = |i: &usize| direction_of[*i].0 == d;
-        (0..direction_of.len()).filter(of).any(|i| open.flexibility()[(i, i)] <= LENT * LENT * LENT * least(d))
+        least(d) > 0.0
+            && (0..direction_of.len()).filter(of).any(|i| open.flexibility()[(i, i)] <= LENT * LENT * LENT * least(d))
     };
-    (0..directions).map(|d| if is_short(d) { LENT * least(d) } else { 0.0 }).collect()
+    let short: Vec<bool> = (0..directions).map(is_short).collect();
+    let of = |(i, (d, _)): (usize, &(usize, f64))| if short[*d] { LENT * open.stop_compliance()[i] } else { 0.0 };
+    direction_of.iter().enumerate().map(of).collect()
+}
+
+/// Contacts of one direction, each with a node of its own where they lend it compliance: the spring of one does not
+/// yield to the force of another.
+fn apart(mut first: Vec<usize>, mut direction_of: Vec<(usize, f64)>, lent: &[f64]) -> (Vec<usize>, Vec<(usize, f64)>) {
+    for (i, of) in direction_of.iter_mut().enumerate() {
+        if lent[i] > 0.0 && first[of.0] != i {
+            *of = (first.len(), 1.0);
+            first.push(i);
+        }
+    }
+    (first, direction_of)
 }
 
 /// The degrees of freedom along the normal of a contact, with their shares.

@@ -35,7 +35,7 @@ pub(super) fn violation(computed: &ComputedBranch, strongest: f64, motions: &[Ti
     for (motion, contact) in motions.iter().zip(computed.structure.model().contacts()) {
         for (q, force) in motion.displacement.iter().zip(&motion.force) {
             // What an elastic stop yields belongs to the gap.
-            let gap = contact.gap + contact.direction() * q + contact.law.compliance() * force;
+            let gap = contact.gap + contact.direction() * q + contact.stop_compliance() * force;
             worst = worst.max((force / strongest).min(gap / widest).abs());
         }
     }
