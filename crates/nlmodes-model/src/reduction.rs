@@ -61,7 +61,7 @@ mod rows;
 
 pub use error::ReductionError;
 pub use galerkin::GalerkinReduction;
-pub use given::{GivenFlexibility, GivenModes};
+pub use given::{GivenFlexibility, GivenModes, modal_flexibility};
 pub use held_modes::{HeldMode, HeldModes};
 pub use mode_count::ModeCount;
 pub use open_modes::OpenModes;

@@ -27,7 +27,7 @@ pub use continuation::{Continuation, Start};
 pub use output::{Directory, Output, OutputFiles, Overlay, Requirement};
 pub use parts::{GroundSpring, MassPoint, Refined, Segment};
 pub use records::{RecordScene, SegmentRule, SegmentTold};
-pub use reduced::{Flexibility, Numbers, ReducedModel, RowContact};
+pub use reduced::{Flexibility, Numbers, Picture, ReducedModel, RowContact};
 pub use reduction::{Matrices, Reduction, SceneStructure};
 pub use response::{BaseDirection, BaseMotion, Damping, Dashpot, Force, ModeDamping, Place, Response};
 pub use sensitivity::{SceneState, Sensitivity};

@@ -1,6 +1,7 @@
 //! Structures that were reduced elsewhere, compared with the reduction of their matrices and with closed forms.
 
 mod chain;
+mod pictures;
 mod refused;
 mod superelement;
 

@@ -11,18 +11,18 @@ use crate::reduction::{OpenModes, ReductionError};
 const AGREED: f64 = 1e-5;
 
 /// Free-interface modes and static flexibility that another program computed, of a structure that is known by n of its
-/// displacements: those of contacts, and of places where forces act.
+/// displacements: l of contacts and of places where forces act, and behind them those that are looked at only.
 #[derive(Debug, Clone)]
 pub struct GivenModes {
     /// `ω_r²`, ascending, rad²/s²; zero for each rigid-body motion.
     pub omega_squared: Vec<f64>,
     /// Displacements in the mass-normalised modes, n × m, 1/√kg.
     pub rows: Mat<f64>,
-    /// Static displacements under unit forces along the displacements, n × n, m/N.
+    /// Static displacements under unit forces along the first l of them, n × l, m/N.
     pub flexibility: GivenFlexibility,
 }
 
-/// Static flexibility between the displacements by which a structure is known, n × n, m/N.
+/// Static flexibility between the displacements by which a structure is known, n × l, m/N.
 #[derive(Debug, Clone)]
 pub enum GivenFlexibility {
     /// The whole one, `F = Lᵀ K⁻¹ L`.
@@ -72,7 +72,8 @@ impl OpenModes {
         let rigid = rigid_motions(&omega_squared)?;
         (0..rows.ncols()).try_for_each(|r| all_finite("entry of the rows", &column(&rows, r)))?;
         let shift = if rigid > 0 { omega_squared[rigid] } else { 0.0 };
-        let modal = modal_flexibility(&omega_squared, &rows);
+        let loaded = flexibility.matrix().ncols();
+        let modal = modal_flexibility(&omega_squared, &rows, loaded);
         let flexibility = residual(flexibility, &modal, rigid)?;
         separate_repeated(&omega_squared, &mut rows, &directions, shift)?;
         let mut openness = Openness::default();
@@ -110,23 +111,33 @@ fn rigid_motions(omega_squared: &[f64]) -> Result<usize, ReductionError> {
     }
 }
 
-/// `Y Ω⁻² Yᵀ` of the elastic modes.
-fn modal_flexibility(omega_squared: &[f64], rows: &Mat<f64>) -> Mat<f64> {
-    let mut modal = Mat::zeros(rows.nrows(), rows.nrows());
+impl GivenFlexibility {
+    /// The numbers.
+    pub fn matrix(&self) -> &Mat<f64> {
+        match self {
+            Self::Static(matrix) | Self::Residual(matrix) => matrix,
+        }
+    }
+}
+
+/// `Y Ω⁻² Y_lᵀ` of the elastic modes with displacements `rows` (n × m), under loads along the first `loaded` of these, n × l, m/N.
+pub fn modal_flexibility(omega_squared: &[f64], rows: &Mat<f64>, loaded: usize) -> Mat<f64> {
+    let mut modal = Mat::zeros(rows.nrows(), loaded.min(rows.nrows()));
     let elastic = omega_squared.iter().enumerate().filter(|(_, square)| **square > 0.0);
     elastic.for_each(|(r, square)| add_share(&mut modal, (rows, r), 1.0 / square));
     modal
 }
 
-/// The residual flexibility, symmetric and not negative but for the last digits of what it was computed from.
+/// The residual flexibility, between displacements that can be loaded symmetric and not negative but for the last digits
+/// of what it was computed from.
 fn residual(given: GivenFlexibility, modal: &Mat<f64>, rigid: usize) -> Result<Mat<f64>, ReductionError> {
     let (given, is_static) = match given {
         GivenFlexibility::Static(_) if rigid > 0 => return Err(ReductionError::FloatingFlexibility),
         GivenFlexibility::Static(given) => (given, true),
         GivenFlexibility::Residual(given) => (given, false),
     };
-    let n = modal.nrows();
-    same_size("rows of the flexibility", n, given.nrows())?;
+    let n = modal.ncols();
+    same_size("rows of the flexibility", modal.nrows(), given.nrows())?;
     same_size("columns of the flexibility", n, given.ncols())?;
     (0..n).try_for_each(|j| all_finite("entry of the flexibility", &column(&given, j)))?;
     let whole = |i: usize| if is_static { given[(i, i)].max(modal[(i, i)]) } else { given[(i, i)] + modal[(i, i)] };
@@ -138,7 +149,8 @@ fn residual(given: GivenFlexibility, modal: &Mat<f64>, rigid: usize) -> Result<M
         return Err(ReductionError::NotSymmetric { row: i + 1, column: j + 1, value, mirrored });
     }
     let share = |i: usize, j: usize| if is_static { modal[(i, j)] } else { 0.0 };
-    let residual = Mat::from_fn(n, n, |i, j| 0.5 * (given[(i, j)] + given[(j, i)]) - share(i, j));
+    let mean = |i: usize, j: usize| if i < n { 0.5 * (given[(i, j)] + given[(j, i)]) } else { given[(i, j)] };
+    let residual = Mat::from_fn(modal.nrows(), n, |i, j| mean(i, j) - share(i, j));
     match most_negative(&residual, &size)? {
         None => Ok(residual),
         Some(row) if is_static => {

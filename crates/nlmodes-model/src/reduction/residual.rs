@@ -19,7 +19,7 @@ pub(crate) enum Residual {
     Solved(Solved),
     /// Of a structure that was reduced elsewhere, between the n displacements by which it is known.
     Given {
-        /// `G`, n × n.
+        /// `G` of loads along the first l of them, n × l.
         flexibility: Mat<f64>,
         /// `ω²` of the first elastic mode of a structure that floats, zero of others.
         shift: f64,
@@ -97,7 +97,7 @@ impl Beside<'_> {
     pub fn answer(&self, loads: Mat<f64>) -> Mat<f64> {
         match self {
             Self::Solved(solved) => solved.answer(loads),
-            Self::Given(flexibility) => *flexibility * loads,
+            Self::Given(flexibility) => *flexibility * loads.subrows(0, flexibility.ncols()),
         }
     }
 }

@@ -7,7 +7,7 @@ use nlmodes::linalg::Mat;
 use nlmodes::modal::TimeHistory;
 use nlmodes::report::{ReportError, Wireframe};
 use nlmodes_io::{Component, FeModel, Mesh, NodeContact, PointField, Skin, Surface};
-use nlmodes_scene::assemble::OpenStructure;
+use nlmodes_scene::assemble::{OpenStructure, PictureMesh};
 use nlmodes_scene::scene::Scene;
 
 use super::stress::{PointStress, Solids};
@@ -51,15 +51,16 @@ impl Period {
         stress: Option<&Solids>,
     ) -> Result<Option<Self>, Failure> {
         let Some(open) = open else { return Ok(None) };
-        let Some((model, contacts)) = &open.files else { return Ok(None) };
-        let (Some(mesh), Some(&point)) = (&model.mesh, curve.pictured().last()) else { return Ok(None) };
+        let Some(known) = Known::of(open) else { return Ok(None) };
+        let (Some(mesh), Some(&point)) = (known.mesh(), curve.pictured().last()) else { return Ok(None) };
+        let contacts = open.files.as_ref().map_or(&[][..], |(_, contacts)| contacts);
         let touching: Vec<usize> = contacts
             .iter()
             .flat_map(|c| std::iter::once(c.node).chain(c.against))
             .filter_map(|n| mesh.index_of(n))
             .collect();
         let (surface, skin) = (Surface::new(mesh, &touching), Skin::of(mesh));
-        let motion = Motion::new(open, model, (mesh, &skin), &surface, curve, point)?;
+        let motion = Motion::new(open, known, (mesh, &skin), &surface, curve, point)?;
         let frames: Vec<Frame> = (0..motion.phases.len())
             .map(|k| motion.frame(k, stress.map(|solids| (solids, surface.points()))))
             .collect();
@@ -145,6 +146,42 @@ fn wireframe(
     })
 }
 
+/// Whose nodes a picture shows.
+#[derive(Clone, Copy)]
+enum Known<'a> {
+    Files(&'a FeModel),
+    ReducedElsewhere(&'a PictureMesh),
+}
+
+impl<'a> Known<'a> {
+    fn of(open: &'a OpenStructure) -> Option<Self> {
+        let files = open.files.as_ref().map(|(model, _)| Self::Files(model));
+        files.or_else(|| open.picture.as_ref().map(Self::ReducedElsewhere))
+    }
+
+    fn mesh(self) -> Option<&'a Mesh> {
+        match self {
+            Self::Files(model) => model.mesh.as_ref(),
+            Self::ReducedElsewhere(picture) => Some(&picture.mesh),
+        }
+    }
+
+    /// The displacement of a node along an axis, as one of the structure that was reduced.
+    fn row_of(self, node: u64, component: Component) -> Option<usize> {
+        match self {
+            Self::Files(model) => model.row_of(node, component),
+            Self::ReducedElsewhere(picture) => picture.row_of(node, component),
+        }
+    }
+
+    fn depends_on_others(self, node: u64, component: Component) -> bool {
+        match self {
+            Self::Files(model) => model.is_held(node, component) == Some(false),
+            Self::ReducedElsewhere(_) => false,
+        }
+    }
+}
+
 /// What makes the frames.
 struct Motion<'a> {
     open: &'a OpenStructure,
@@ -222,19 +259,19 @@ impl Frame {
 impl<'a> Motion<'a> {
     fn new(
         open: &'a OpenStructure,
-        model: &FeModel,
+        known: Known<'_>,
         (mesh, skin): (&Mesh, &Skin),
         surface: &Surface,
         curve: &dyn Curve,
         point: usize,
     ) -> Result<Self, Failure> {
         let mut dofs = Vec::new();
-        let mut source = |node: u64, component| match model.row_of(node, component) {
+        let mut source = |node: u64, component| match known.row_of(node, component) {
             Some(dof) => {
                 dofs.push(dof);
                 Source::Row(dofs.len() - 1)
             }
-            None if model.is_held(node, component) == Some(false) => Source::Unknown,
+            None if known.depends_on_others(node, component) => Source::Unknown,
             None => Source::Held,
         };
         let numbers: Vec<u64> = surface.points().iter().map(|index| mesh.numbers[*index as usize]).collect();

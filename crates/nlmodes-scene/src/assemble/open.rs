@@ -7,7 +7,7 @@ use nlmodes::model::reduction::{ModeCount, OpenModes, ReducedStructure, Reductio
 use nlmodes::model::{Contact, Dof, DofKind, StructuralModel};
 use nlmodes_io::{Component, FeModel, NodeContact, find_contacts};
 
-use super::reduced::{self, ReducedElsewhere};
+use super::reduced::{self, PictureMesh, ReducedElsewhere};
 use super::{StaticState, Strainless, StructureError, Structures, static_loads};
 use crate::scene::{Matrices, ReducedModel, ReductionKind, Scene, SceneStructure};
 
@@ -45,6 +45,8 @@ pub struct OpenStructure {
     pub files: Option<NodeContacts>,
     /// What is known of the numbers of a structure that was reduced elsewhere.
     pub elsewhere: Option<ReducedElsewhere>,
+    /// The mesh that pictures of such a structure show.
+    pub picture: Option<PictureMesh>,
     /// Motions that strain nothing.
     pub strainless: Strainless,
     /// What static loads and stops that press do to it: the gaps of `modes` and `reduced` are those that they leave.
@@ -68,14 +70,14 @@ impl OpenStructure {
 
     /// What another program has reduced.
     fn of_reduced(scene: &Scene, model: &ReducedModel) -> Result<Self, StructureError> {
-        let reduced::Read { modes, dofs, known } = reduced::read(model, scene.reduction)?;
+        let reduced::Read { modes, dofs, known, picture } = reduced::read(model, scene.reduction)?;
         let contacts: Vec<(usize, f64)> = model.row_contacts.iter().map(|contact| (contact.row, 0.0)).collect();
         let damped: Vec<bool> = model.row_contacts.iter().map(|contact| contact.damping.is_some()).collect();
         let reduced = |modes: &OpenModes| ReducedStructure::new(modes, &contacts);
         let (modes, reduced) = pressed(scene, modes, (scene.method.mode + 1, &damped), reduced)?;
         let strainless = Strainless::of_rigid_bodies(modes.openness().strainless);
-        let elsewhere = Some(known);
-        Self { modes, reduced, dofs, contacts, files: None, elsewhere, strainless, state: None }.under_loads(scene)
+        let (files, elsewhere, state) = (None, Some(known), None);
+        Self { modes, reduced, dofs, contacts, files, elsewhere, picture, strainless, state }.under_loads(scene)
     }
 
     fn of_model(scene: &Scene, model: &StructuralModel) -> Result<Self, StructureError> {
@@ -91,8 +93,8 @@ impl OpenStructure {
         let (modes, reduced) = pressed(scene, modes, (scene.method.mode, &damped), reduced)?;
         let dofs = model.dofs().to_vec();
         let strainless = Strainless::of_rigid_bodies(modes.n_rigid());
-        let (files, elsewhere) = (None, None);
-        Self { modes, reduced, dofs, contacts, files, elsewhere, strainless, state: None }.under_loads(scene)
+        let (files, elsewhere, picture, state) = (None, None, None, None);
+        Self { modes, reduced, dofs, contacts, files, elsewhere, picture, strainless, state }.under_loads(scene)
     }
 
     fn of_files(scene: &Scene, matrices: &Matrices, structures: &Structures) -> Result<Self, StructureError> {
@@ -106,8 +108,8 @@ impl OpenStructure {
         let reduced = |modes: &OpenModes| ReducedStructure::new(modes, &contacts);
         let (modes, reduced) = pressed(scene, modes, (scene.method.mode + 1, &damped), reduced)?;
         let dofs = dofs(&model);
-        let (files, elsewhere) = (Some((model, found)), None);
-        Self { modes, reduced, dofs, contacts, files, elsewhere, strainless, state: None }.under_loads(scene)
+        let (files, elsewhere, picture, state) = (Some((model, found)), None, None, None);
+        Self { modes, reduced, dofs, contacts, files, elsewhere, picture, strainless, state }.under_loads(scene)
     }
 
     /// The same with the gaps that static loads leave.

@@ -1,11 +1,14 @@
 //! Structures that were reduced elsewhere: their numbers, and what they have to be.
 
+mod picture;
+
 use std::f64::consts::TAU;
 
 use nlmodes::linalg::{Mat, SparseMatrix, sparse_from_triplets};
-use nlmodes::model::reduction::{GivenFlexibility, GivenModes, OpenModes, ReductionError};
+use nlmodes::model::reduction::{GivenFlexibility, GivenModes, OpenModes, ReductionError, modal_flexibility};
 use nlmodes::model::{Dof, DofKind};
-use nlmodes_io::{Component, NumberTable, ReadError, read_numbers};
+use nlmodes_io::{Component, NumberTable, ReadError, UnitSystem, read_numbers};
+pub use picture::PictureMesh;
 use thiserror::Error;
 
 use super::StructureError;
@@ -119,24 +122,30 @@ pub(super) struct Read {
     pub modes: OpenModes,
     pub dofs: Vec<Dof>,
     pub known: ReducedElsewhere,
+    pub picture: Option<PictureMesh>,
 }
 
 /// Reads the numbers and makes the structure of them, with as many of its modes as are asked for.
 pub(super) fn read(model: &ReducedModel, reduction: Option<Reduction>) -> Result<Read, StructureError> {
     let omega_squared = omega_squared(&model.frequencies_hz)?;
-    let (rows, is_by_modes) = rows(model, omega_squared.len())?;
-    let flexibility = flexibility(model, rows.nrows())?;
+    let (mut rows, is_by_modes) = rows(model, omega_squared.len())?;
+    let mut flexibility = flexibility(model, rows.nrows())?;
     let known = ReducedElsewhere { modes: omega_squared.len(), rows: rows.nrows(), is_by_modes };
-    let directions = directions(model, &rows, &flexibility)?;
+    let mut picture = None;
+    if let Some(of) = &model.picture {
+        let (mesh, all, answers) = picture::joined((model, of), &omega_squared, &rows, flexibility)?;
+        (picture, rows, flexibility) = (Some(mesh), all, answers);
+    }
+    let directions = directions(model, &rows, (&flexibility, known.rows))?;
     let contacts = &model.row_contacts;
     let gaps = contacts.iter().map(|contact| contact.gap).collect();
     let compliance = contacts.iter().map(|contact| contact.stiffness.map_or(0.0, |k| 1.0 / k)).collect();
     let given = GivenModes { omega_squared, rows, flexibility };
     let modes = OpenModes::given(given, directions, gaps, compliance).map_err(|error| refused(model, error))?;
-    let dofs = (1..=known.rows).map(|node| Dof { node, position: 0.0, kind: DofKind::Row }).collect();
+    let dofs = (1..=modes.n_dofs()).map(|node| Dof { node, position: 0.0, kind: DofKind::Row }).collect();
     let wanted = wanted(&modes, reduction)?;
     let modes = if wanted < modes.n_modes() { modes.truncated(wanted)? } else { modes };
-    Ok(Read { modes, dofs, known })
+    Ok(Read { modes, dofs, known, picture })
 }
 
 /// How many of the modes the scene asks for: all where it does not.
@@ -169,15 +178,31 @@ fn omega_squared(numbers: &Numbers) -> Result<Vec<f64>, StructureError> {
 
 /// The rows, rows × modes, in SI units, and whether they are given as modes × rows.
 fn rows(model: &ReducedModel, modes: usize) -> Result<(Mat<f64>, bool), StructureError> {
-    let (table, of) = (table(&model.contact_rows, ROWS)?, name(&model.contact_rows));
+    let (rows, is_by_modes) = by_modes((&model.contact_rows, ROWS), modes, model.units)?;
+    match (0..rows.nrows()).find(|&i| (0..modes).all(|r| rows[(i, r)] == 0.0)) {
+        Some(row) => {
+            let of = name(&model.contact_rows);
+            Err(refuse(ROWS, ReducedProblem::ZeroRow { of, row: row + 1 }))
+        }
+        None => Ok((rows, is_by_modes)),
+    }
+}
+
+/// Displacements in the modes, displacements × modes, in SI units, and whether they are given the other way round.
+fn by_modes(
+    (numbers, key): (&Numbers, &'static str),
+    modes: usize,
+    units: UnitSystem,
+) -> Result<(Mat<f64>, bool), StructureError> {
+    let (table, of) = (table(numbers, key)?, name(numbers));
     let (lines, width) = match table.shape[..] {
         [lines, width] => (lines, width),
         [length] if modes == 1 => (length, 1),
         [length] => (1, length),
         _ => (1, 1),
     };
-    let scale = match &model.contact_rows {
-        Numbers::File(_) => 1.0 / model.units.mass(Component::X, Component::X).sqrt(),
+    let scale = match numbers {
+        Numbers::File(_) => 1.0 / units.mass(Component::X, Component::X).sqrt(),
         Numbers::List(_) | Numbers::Table(_) => 1.0,
     };
     let is_by_modes = width != modes;
@@ -186,16 +211,13 @@ fn rows(model: &ReducedModel, modes: usize) -> Result<(Mat<f64>, bool), Structur
             "a line of {} for each row, as many as modes, or a line for each of the {modes} modes",
             counted(modes, "number")
         );
-        return Err(refuse(ROWS, ReducedProblem::Shape { of, found: table.size(), expected }));
+        return Err(refuse(key, ReducedProblem::Shape { of, found: table.size(), expected }));
     }
     let rows = match is_by_modes {
         false => Mat::from_fn(lines, modes, |i, r| scale * table.values[i * width + r]),
         true => Mat::from_fn(width, modes, |i, r| scale * table.values[r * width + i]),
     };
-    match (0..rows.nrows()).find(|&i| (0..modes).all(|r| rows[(i, r)] == 0.0)) {
-        Some(row) => Err(refuse(ROWS, ReducedProblem::ZeroRow { of, row: row + 1 })),
-        None => Ok((rows, is_by_modes)),
-    }
+    Ok((rows, is_by_modes))
 }
 
 fn flexibility(model: &ReducedModel, rows: usize) -> Result<GivenFlexibility, StructureError> {
@@ -205,10 +227,7 @@ fn flexibility(model: &ReducedModel, rows: usize) -> Result<GivenFlexibility, St
         let expected = format!("{rows} × {rows} numbers, as `{ROWS}` has {}", counted(rows, "row"));
         return Err(refuse(key, ReducedProblem::Shape { of: name(numbers), found: table.size(), expected }));
     }
-    let scale = match numbers {
-        Numbers::File(_) => 1.0 / model.units.stiffness(Component::X, Component::X),
-        Numbers::List(_) | Numbers::Table(_) => 1.0,
-    };
+    let scale = flexibility_scale(numbers, model.units);
     let matrix = Mat::from_fn(rows, rows, |i, j| scale * table.values[i * rows + j]);
     Ok(match model.flexibility {
         Flexibility::Static(_) => GivenFlexibility::Static(matrix),
@@ -216,14 +235,21 @@ fn flexibility(model: &ReducedModel, rows: usize) -> Result<GivenFlexibility, St
     })
 }
 
+/// SI units over those of a flexibility.
+fn flexibility_scale(numbers: &Numbers, units: UnitSystem) -> f64 {
+    match numbers {
+        Numbers::File(_) => 1.0 / units.stiffness(Component::X, Component::X),
+        Numbers::List(_) | Numbers::Table(_) => 1.0,
+    }
+}
+
 /// `g = g₀ − u` of a stop that is met by positive displacements `u` of its row.
 fn directions(
     model: &ReducedModel,
     shapes: &Mat<f64>,
-    flexibility: &GivenFlexibility,
+    (flexibility, rows): (&GivenFlexibility, usize),
 ) -> Result<SparseMatrix, StructureError> {
-    let rows = shapes.nrows();
-    let (GivenFlexibility::Static(flexibility) | GivenFlexibility::Residual(flexibility)) = flexibility;
+    let flexibility = flexibility.matrix();
     let contacts = model.row_contacts.iter().enumerate();
     if let Some((contact, of)) = contacts.clone().find(|(_, of)| of.row > rows) {
         return Err(StructureError::NoSuchRow { contact, row: of.row, rows });
@@ -235,7 +261,7 @@ fn directions(
         (row, contact, if of.side == Side::Positive { -sign } else { sign })
     };
     let entries: Vec<_> = contacts.map(entry).collect();
-    Ok(sparse_from_triplets(rows, model.row_contacts.len(), &entries)?)
+    Ok(sparse_from_triplets(shapes.nrows(), model.row_contacts.len(), &entries)?)
 }
 
 /// +1 or −1 where two rows are the same displacement, or one against the other, as all modes and forces show.

@@ -6,7 +6,7 @@ use nlmodes_io::UnitSystem;
 
 use super::matrices::parsed;
 use crate::raw::{RawReduced, RawReducedScene, RawRowContact};
-use crate::scene::{Flexibility, Numbers, ReducedModel, RowContact, Side};
+use crate::scene::{Flexibility, Numbers, Picture, ReducedModel, RowContact, Side};
 use crate::{Diagnostic, Diagnostics};
 
 /// What another program computed and the contacts, if all of it is sound; paths count from `base`.
@@ -21,6 +21,12 @@ pub fn check(raw: &RawReducedScene, base: &Path, diagnostics: &mut Diagnostics<'
         frequencies_hz: within(base, &structure.frequencies_hz),
         contact_rows: within(base, &structure.contact_rows),
         flexibility: flexibility?,
+        picture: structure.picture.as_ref().map(|raw| Picture {
+            rows: within(base, &raw.rows),
+            flexibility: raw.flexibility_m_n.as_ref().map(|numbers| within(base, numbers)),
+            dofs: base.join(&raw.dofs),
+            mesh: base.join(&raw.mesh),
+        }),
         units: units?,
         row_contacts: row_contacts.into_iter().collect::<Option<_>>()?,
     })

@@ -2,9 +2,9 @@
 
 use super::matrices::{FIRST, LISTED, frequencies};
 use super::{Row, law, row};
-use crate::assemble::OpenStructure;
+use crate::assemble::{OpenStructure, PictureMesh};
 use crate::rule::counted;
-use crate::scene::{Numbers, ReducedModel, RowContact, Scene};
+use crate::scene::{Numbers, Picture, ReducedModel, RowContact, Scene};
 use crate::{number, short};
 
 /// The rows of the structure and of its contacts.
@@ -18,9 +18,12 @@ pub fn rows(scene: &Scene, open: Option<&OpenStructure>) -> Vec<Row> {
         row("modes", format!("{modes}, {}", source(&model.frequencies_hz))),
         row("rows", format!("{of_rows}, a line a {line}, {}", source(&model.contact_rows))),
         row("flexibility", flexibility(model)),
+    ];
+    lines.extend(open.picture.iter().zip(&model.picture).map(|(mesh, of)| row("picture", picture(mesh, of))));
+    lines.extend([
         row("units", format!("{} in files, SI from here on", model.units)),
         row("frequencies", frequencies(open)),
-    ];
+    ]);
     lines.extend((0..known.rows.min(LISTED)).map(|i| row("", share(open, i))));
     lines.extend(model.row_contacts.iter().enumerate().map(|(i, of)| row(format!("contact {i}"), contact(of))));
     lines
@@ -32,6 +35,12 @@ fn flexibility(model: &ReducedModel) -> String {
         crate::scene::Flexibility::Residual(_) => "what the modes leave",
     };
     format!("{what}, {}", source(model.flexibility.numbers()))
+}
+
+fn picture(mesh: &PictureMesh, of: &Picture) -> String {
+    let (rows, nodes) = (counted(mesh.n_rows(), "displacement"), counted(mesh.mesh.places.len(), "node"));
+    let statics = of.flexibility.as_ref().map_or("those of the modes alone".to_owned(), source);
+    format!("{rows} of {nodes}, {}; static ones {statics}", source(&of.rows))
 }
 
 fn source(numbers: &Numbers) -> String {

@@ -45,9 +45,33 @@ pub struct RawReduced {
     #[serde(default)]
     #[schemars(schema_with = "flexibility")]
     pub residual_flexibility_m_n: Option<Numbers>,
+    /// A mesh and the displacements of its nodes, for pictures of the motion
+    #[serde(default)]
+    pub picture: Option<RawPicture>,
     /// Units of the files, SI or as mm-t-s; numbers of the scene and frequencies are in those of their keys
     #[schemars(length(min = 1), extend("default" = "m-kg-s"))]
     pub units: Option<String>,
+}
+
+/// The displacements of the nodes of a mesh in the same modes.
+#[derive(Debug, Deserialize, JsonSchema)]
+pub struct RawPicture {
+    /// Displacements of nodes in the modes of the structure, 1/√kg: a line for each displacement or for each mode, as
+    /// `contact_rows`
+    #[schemars(schema_with = "rows")]
+    pub rows: Numbers,
+    /// Their static displacements under unit forces along `contact_rows`, displacements × rows, with the share of the
+    /// modes where that of the structure has it; left out, pictures show the modes alone
+    #[serde(default)]
+    #[schemars(schema_with = "flexibility")]
+    pub flexibility_m_n: Option<Numbers>,
+    /// Node and direction of each displacement (.dof, .mapping, or .csv with row,node,component[,x,y,z]), relative to
+    /// the scene; what is not listed is drawn at rest
+    #[schemars(length(min = 1))]
+    pub dofs: String,
+    /// Coordinates and elements (.inp, .msh), relative to the scene
+    #[schemars(length(min = 1))]
+    pub mesh: String,
 }
 
 /// A stop before a row of the structure; of two bodies that touch each other the row is their approach.

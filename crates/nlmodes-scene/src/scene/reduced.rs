@@ -1,3 +1,5 @@
+use std::path::PathBuf;
+
 use nlmodes_io::{Address, UnitSystem};
 use serde::{Deserialize, Serialize};
 
@@ -13,10 +15,27 @@ pub struct ReducedModel {
     pub contact_rows: Numbers,
     /// Static displacements of the rows under unit forces.
     pub flexibility: Flexibility,
+    /// A mesh and the displacements of its nodes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub picture: Option<Picture>,
     /// Units of the files; numbers of the scene are in SI units.
     pub units: UnitSystem,
     /// The tables `[[contact]]`, in the order of the file.
     pub row_contacts: Vec<RowContact>,
+}
+
+/// The displacements of the nodes of a mesh in the modes of a structure that was reduced elsewhere.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Picture {
+    /// Displacements in the mass-normalised modes.
+    pub rows: Numbers,
+    /// Static displacements under unit forces along the rows of the structure, of the same kind as its flexibility.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flexibility: Option<Numbers>,
+    /// Table of the node and direction of each.
+    pub dofs: PathBuf,
+    /// Mesh with places and elements.
+    pub mesh: PathBuf,
 }
 
 /// Numbers of a scene, or of a file that it names.

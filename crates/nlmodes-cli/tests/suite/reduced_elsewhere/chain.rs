@@ -102,6 +102,16 @@ impl Chain {
         ))
     }
 
+    /// Displacements of these masses in the first modes, a line each, and under unit forces on those of `rows`: whole, or
+    /// what the modes leave.
+    pub fn seen(&self, modes: usize, masses: &[usize], rows: &[usize], whole: bool) -> [String; 2] {
+        let line = |values: Vec<f64>| values.iter().map(|x| format!("{x:e}")).collect::<Vec<_>>().join(",") + "\n";
+        let kept = if whole { 0 } else { modes };
+        let shapes = masses.iter().map(|&i| line((1..=modes).map(|mode| self.shape(i, mode)).collect()));
+        let answers = masses.iter().map(|&i| line(rows.iter().map(|&j| self.residual((i, j), kept)).collect()));
+        [shapes.collect(), answers.collect()]
+    }
+
     /// Stiffness and mass of the held chain in the displacement of its last mass and all modes with that mass fixed:
     /// `θ_r = r π/n`, and `i/n` where the last mass is displaced by one.
     pub fn craig_bampton(&self) -> [Vec<Vec<f64>>; 2] {
