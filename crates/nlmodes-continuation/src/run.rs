@@ -170,6 +170,7 @@ impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
 
     fn follow(&mut self, mut h: f64) -> StopReason {
         loop {
+            self.control.set_length(h);
             let from = self.branch.points.len();
             let refused = self.control.refused_in_a_row();
             if refused == 1 || (refused == 0 && self.corrector.is_blurred()) {
@@ -193,8 +194,17 @@ impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
                             continue;
                         }
                         (None, None) => {
-                            let too_small = StopReason::StepTooSmall { step: h, refusal };
-                            self.pass_kink().unwrap_or(ControlFlow::Break(too_small))
+                            let (base, too_small) = (self.base.clone(), StopReason::StepTooSmall { step: h, refusal });
+                            match self.pass_kink() {
+                                Some(outcome) => outcome,
+                                None => match self.control.into_bend(h) {
+                                    Some(shorter) => {
+                                        (self.base, h) = (base, shorter);
+                                        continue;
+                                    }
+                                    None => ControlFlow::Break(too_small),
+                                },
+                            }
                         }
                     }
                 }

@@ -14,6 +14,9 @@ pub struct StepSettings {
     /// Shortest step. Where it is refused, the half-branches around the point are looked for, at ten times that
     /// distance. Default 1e-6.
     pub min: f64,
+    /// Share of the shortest step down to which a branch is followed where no half-branches are found there either: it
+    /// bends within less, as motions do that touch a rigid stop softly. Default 1e-2; 1 for none.
+    pub bend: f64,
     /// Distance at which second differences for the branching equation are taken, and least distance at which
     /// half-branches are searched where more than one direction is free: far above the last digits of the unknowns,
     /// whose third power the cubic terms are. Default 1e-3.
@@ -49,6 +52,7 @@ impl Default for StepSettings {
         Self {
             initial: 0.01,
             min: 1e-6,
+            bend: 1e-2,
             arm: 1e-3,
             search: 4000,
             isolated: 1e-6,
@@ -68,6 +72,7 @@ impl StepSettings {
         let positive = [
             ("initial step", self.initial),
             ("shortest step", self.min),
+            ("share of the shortest step", self.bend),
             ("distance of half-branches", self.arm),
             ("ratio of pivots of a half-branch", self.isolated),
             ("longest step", self.max),

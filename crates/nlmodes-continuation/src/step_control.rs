@@ -13,6 +13,9 @@ const EASY: f64 = 0.06;
 /// Shares of a step that are tried next where it is refused: at first, and again.
 const SHORTER: [f64; 2] = [0.5, 0.25];
 
+/// Share of the shortest step from which on one is as long as that.
+const SHORTER_THAN: f64 = 1.0 - 1e-9;
+
 /// Shortest step, over the distance by which rounding blurs the point from which it starts: what is shorter says
 /// nothing about the curve.
 const ABOVE_ROUNDING: f64 = 50.0;
@@ -23,12 +26,17 @@ pub(crate) struct StepControl {
     /// The settings, with a shortest step that is no shorter than rounding permits at the base point.
     pub limits: StepSettings,
     shortest: f64,
+    /// The branch bends within less than its shortest step: steps of `bend` times that are permitted until they have
+    /// grown to it again.
+    is_in_bend: bool,
+    blur: f64,
     refused_in_a_row: usize,
 }
 
 impl StepControl {
     pub fn new(settings: &StepSettings) -> Self {
-        Self { limits: settings.clone(), shortest: settings.min, refused_in_a_row: 0 }
+        let limits = settings.clone();
+        Self { limits, shortest: settings.min, is_in_bend: false, blur: 0.0, refused_in_a_row: 0 }
     }
 
     /// The first step.
@@ -43,12 +51,42 @@ impl StepControl {
 
     /// Points near the base point are known up to `blur`: no shorter step makes sense there.
     pub fn set_blur(&mut self, blur: f64) {
-        self.limits.min = self.shortest.max(ABOVE_ROUNDING * blur).min(self.limits.max);
+        self.blur = blur;
+        self.limits.min = self.least().max(ABOVE_ROUNDING * blur).min(self.limits.max);
+    }
+
+    /// The shortest step but for rounding.
+    fn least(&self) -> f64 {
+        if self.is_in_bend { self.limits.bend * self.shortest } else { self.shortest }
     }
 
     /// Whether rounding alone forbids shorter steps.
     pub fn is_held_by_rounding(&self) -> bool {
-        self.limits.min > self.shortest
+        self.limits.min > self.least()
+    }
+
+    /// A step of length `h` is about to be taken: a bend has been passed where it is as long as the shortest one
+    /// elsewhere.
+    pub fn set_length(&mut self, h: f64) {
+        let is_in_bend = h < SHORTER_THAN * self.shortest;
+        if is_in_bend != self.is_in_bend {
+            self.is_in_bend = is_in_bend;
+            self.set_blur(self.blur);
+        }
+    }
+
+    /// A step below the shortest, where that was refused and no kink explains it; `None` where rounding forbids one.
+    pub fn into_bend(&mut self, h: f64) -> Option<f64> {
+        let shorter = SHORTER[1] * h;
+        if self.is_in_bend || shorter >= SHORTER_THAN * self.shortest {
+            return None;
+        }
+        self.set_length(shorter);
+        let is_permitted = shorter >= self.limits.min;
+        if !is_permitted {
+            self.set_length(h);
+        }
+        is_permitted.then_some(shorter)
     }
 
     /// The longest step from a point: far from zero, in proportion to the largest unknown.
@@ -128,6 +166,13 @@ mod tests {
         }
         assert_eq!(control.after_refused(2e-6, &refusal), Some(1e-6));
         assert_eq!(control.after_refused(1e-6, &refusal), None);
+        // In a bend that no kink explains down to a hundredth of it, until steps are as long again.
+        assert_eq!(control.into_bend(1e-6), Some(2.5e-7));
+        assert_eq!((control.limits.min, control.into_bend(2.5e-7)), (1e-8, None));
+        control.set_length(9e-7);
+        assert_eq!(control.limits.min, 1e-8);
+        control.set_length(1e-6);
+        assert_eq!(control.limits.min, 1e-6);
         assert!(control.is_precious(0.9e-4) && !control.is_precious(1.1e-4));
         assert!(!control.is_held_by_rounding());
         control.set_blur(1e-5);

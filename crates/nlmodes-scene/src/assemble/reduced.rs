@@ -5,7 +5,7 @@ mod picture;
 use std::f64::consts::TAU;
 
 use nlmodes::linalg::{Mat, SparseMatrix, sparse_from_triplets};
-use nlmodes::model::reduction::{GivenFlexibility, GivenModes, OpenModes, ReductionError, modal_flexibility};
+use nlmodes::model::reduction::{GivenFlexibility, GivenModes, OpenModes, ReductionError};
 use nlmodes::model::{Dof, DofKind};
 use nlmodes_io::{Component, NumberTable, ReadError, UnitSystem, read_numbers};
 pub use picture::PictureMesh;

@@ -51,7 +51,7 @@ pub fn response_from_other_end(
     let end = curve.p * omega.1;
     let is_start = |point: &ResponsePoint| {
         let own = point.coefficients_for(&curve.system);
-        (point.omega - end).abs() <= SAME * end && distance(&own, &curve.x) <= SAME * distance(&own, &[])
+        (point.omega - end).abs() <= SAME * end && distance(&own, &curve.x) <= (SAME * distance(&own, &[])).max(RESOLVED)
     };
     if known.iter().flat_map(|curve| &curve.points).any(is_start) {
         return Ok(None);
@@ -61,6 +61,10 @@ pub fn response_from_other_end(
 
 /// Share of a motion within which two at the same frequency are one.
 const SAME: f64 = 1e-6;
+
+/// Difference of two motions, over the length at which a stop is touched, within which they are one: Newton's method ends
+/// there, also where a motion is far smaller.
+const RESOLVED: f64 = 1e-9;
 
 /// Length of `a − b`, as far as both go; of `a` where `b` is empty.
 fn distance(a: &[f64], b: &[f64]) -> f64 {
