@@ -197,7 +197,7 @@ impl<'a, 's, E: std::error::Error + 'static> Run<'a, 's, E> {
                             let (base, too_small) = (self.base.clone(), StopReason::StepTooSmall { step: h, refusal });
                             match self.pass_kink() {
                                 Some(outcome) => outcome,
-                                None => match self.control.into_bend(h) {
+                                None => match self.control.begin_bend(h) {
                                     Some(shorter) => {
                                         (self.base, h) = (base, shorter);
                                         continue;

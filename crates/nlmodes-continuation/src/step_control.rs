@@ -76,7 +76,7 @@ impl StepControl {
     }
 
     /// A step below the shortest, where that was refused and no kink explains it; `None` where rounding forbids one.
-    pub fn into_bend(&mut self, h: f64) -> Option<f64> {
+    pub fn begin_bend(&mut self, h: f64) -> Option<f64> {
         let shorter = SHORTER[1] * h;
         if self.is_in_bend || shorter >= SHORTER_THAN * self.shortest {
             return None;
@@ -167,8 +167,8 @@ mod tests {
         assert_eq!(control.after_refused(2e-6, &refusal), Some(1e-6));
         assert_eq!(control.after_refused(1e-6, &refusal), None);
         // In a bend that no kink explains down to a hundredth of it, until steps are as long again.
-        assert_eq!(control.into_bend(1e-6), Some(2.5e-7));
-        assert_eq!((control.limits.min, control.into_bend(2.5e-7)), (1e-8, None));
+        assert_eq!(control.begin_bend(1e-6), Some(2.5e-7));
+        assert_eq!((control.limits.min, control.begin_bend(2.5e-7)), (1e-8, None));
         control.set_length(9e-7);
         assert_eq!(control.limits.min, 1e-8);
         control.set_length(1e-6);

@@ -233,6 +233,20 @@ fn modes_phase_resonance_and_responses_begin_at_closed_stops() -> Outcome {
     Ok(())
 }
 
+/// With many harmonics the end rattles on its ledge, and the mode bends within less than a millionth of its steps.
+#[test]
+fn a_damped_mode_is_followed_where_it_rattles() -> Outcome {
+    let text = LEDGE.replace("mass_redistribution = \"drop\"\n", "").replace("harmonics = 1", "harmonics = 15")
+        + WEIGHT
+        + "[damping]\nratio = 0.01\n[[force]]\nat_m = 0.5\n[response]\nkind = \"damped-mode\"\n\
+           [output]\nstability = \"never\"\nfigures = false\npage = false\n";
+    let (folder, _) = run(&text, &["continuation.max_energy_ratio=2.0"])?;
+    let rows = rows(&folder)?;
+    let last = rows.last().ok_or("no points")?;
+    assert!((last["energy_j"] / rows[0]["energy_j"] - 2.0).abs() < 1e-6, "{last:?}");
+    Ok(())
+}
+
 /// A mass of 1 kg on 1 N/m with a tip of 20 N/m before a rigid stop, with a second mode that its row does not see.
 fn mass_with_tip(gap_m: f64, more: &str) -> String {
     format!(

@@ -120,7 +120,8 @@ impl GivenFlexibility {
     }
 }
 
-/// `Y Ω⁻² Y_lᵀ` of the elastic modes with displacements `rows` (n × m), under loads along the first `loaded` of these, n × l, m/N.
+/// `Y Ω⁻² Y_lᵀ` of the elastic modes with displacements `rows` (n × m), under loads along the first `loaded` of these,
+/// n × l, m/N.
 pub fn modal_flexibility(omega_squared: &[f64], rows: &Mat<f64>, loaded: usize) -> Mat<f64> {
     let mut modal = Mat::zeros(rows.nrows(), loaded.min(rows.nrows()));
     let elastic = omega_squared.iter().enumerate().filter(|(_, square)| **square > 0.0);
@@ -128,8 +129,8 @@ pub fn modal_flexibility(omega_squared: &[f64], rows: &Mat<f64>, loaded: usize) 
     modal
 }
 
-/// The residual flexibility, between displacements that can be loaded symmetric and not negative but for the last digits
-/// of what it was computed from.
+/// The residual flexibility, between displacements that can be loaded symmetric and not negative but for the last
+/// digits of what it was computed from.
 fn residual(given: GivenFlexibility, modal: &Mat<f64>, rigid: usize) -> Result<Mat<f64>, ReductionError> {
     let (given, is_static) = match given {
         GivenFlexibility::Static(_) if rigid > 0 => return Err(ReductionError::FloatingFlexibility),

@@ -102,8 +102,8 @@ impl Chain {
         ))
     }
 
-    /// Displacements of these masses in the first modes, a line each, and under unit forces on those of `rows`: whole, or
-    /// what the modes leave.
+    /// Displacements of these masses in the first modes, a line each, and under unit forces on those of `rows`: whole,
+    /// or what the modes leave.
     pub fn seen(&self, modes: usize, masses: &[usize], rows: &[usize], whole: bool) -> [String; 2] {
         let line = |values: Vec<f64>| values.iter().map(|x| format!("{x:e}")).collect::<Vec<_>>().join(",") + "\n";
         let kept = if whole { 0 } else { modes };

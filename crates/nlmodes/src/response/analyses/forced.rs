@@ -51,7 +51,8 @@ pub fn response_from_other_end(
     let end = curve.p * omega.1;
     let is_start = |point: &ResponsePoint| {
         let own = point.coefficients_for(&curve.system);
-        (point.omega - end).abs() <= SAME * end && distance(&own, &curve.x) <= (SAME * distance(&own, &[])).max(RESOLVED)
+        (point.omega - end).abs() <= SAME * end
+            && distance(&own, &curve.x) <= (SAME * distance(&own, &[])).max(RESOLVED)
     };
     if known.iter().flat_map(|curve| &curve.points).any(is_start) {
         return Ok(None);
@@ -62,8 +63,8 @@ pub fn response_from_other_end(
 /// Share of a motion within which two at the same frequency are one.
 const SAME: f64 = 1e-6;
 
-/// Difference of two motions, over the length at which a stop is touched, within which they are one: Newton's method ends
-/// there, also where a motion is far smaller.
+/// Difference of two motions, over the length at which a stop is touched, within which they are one: Newton's method
+/// ends there, also where a motion is far smaller.
 const RESOLVED: f64 = 1e-9;
 
 /// Length of `a − b`, as far as both go; of `a` where `b` is empty.
