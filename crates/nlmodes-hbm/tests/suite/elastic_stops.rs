@@ -5,7 +5,9 @@ use crate::support;
 use std::f64::consts::TAU;
 
 use nlmodes_hbm::{CondensedStructure, DampedStop, HbmError, ModalDamping, Switching, Symmetry, grazing};
-use nlmodes_modal::ModalPoint;
+use nlmodes_linalg::{Mat, lowest_modes, sparse_from_triplets, triplets};
+use nlmodes_modal::{HarmonicCoefficients, ModalPoint};
+use nlmodes_model::reduction::{ModeCount, OpenModes, ReducedStructure};
 use nlmodes_model::{Drop, MasslessContactModel, ModelError, Side, StructuralModel};
 use num_complex::Complex64;
 use support::modal::Open;
@@ -73,6 +75,73 @@ fn harmonic_balance_solves_its_equations_by_alternating_frequency_time_from_the_
             }
         }
     }
+}
+
+/// The structure in all its modes: nothing is left that could be pressed but the stops.
+fn in_all_modes(model: &StructuralModel) -> (OpenModes, ReducedStructure) {
+    let open = OpenModes::of_model(model, ModeCount::Lowest(model.dofs().len())).unwrap();
+    let places: Vec<_> = stops(model).iter().map(|stop| (stop.dof, model.dofs()[stop.dof].position)).collect();
+    let reduced = ReducedStructure::along_axes(&open, &places, model.dofs()).unwrap();
+    (open, reduced)
+}
+
+/// Displacements of all degrees of freedom of a motion in reduced coordinates.
+fn recovered(open: &OpenModes, reduced: &ReducedStructure, of: &HarmonicCoefficients) -> HarmonicCoefficients {
+    let dofs: Vec<usize> = (0..open.n_dofs()).collect();
+    let mut all = HarmonicCoefficients::zeros(dofs.len(), of.n_harmonics());
+    for n in 0..=of.n_harmonics() {
+        let part = |of_part: fn(&Complex64) -> f64| {
+            let x = Mat::from_fn(of.n_coordinates(), 1, |d, _| of_part(&of.of(d)[n]));
+            reduced.displacements(open, &dofs, &x)
+        };
+        let (re, im) = (part(|z| z.re), part(|z| z.im));
+        dofs.iter().for_each(|&d| all.of_mut(d)[n] = Complex64::new(re[(d, 0)], im[(d, 0)]));
+    }
+    all
+}
+
+#[test]
+fn with_all_modes_retained_the_motion_at_an_elastic_stop_is_that_of_the_structure() {
+    for model in [two_places(), facing()] {
+        let ((open, reduced), full) = (in_all_modes(&model), with_mass(&model));
+        let structure = condense(reduced.model());
+        for symmetry in [Symmetry::Even, Symmetry::None] {
+            let (mut problem, start) = problem(&structure, 1, 3, symmetry, Switching::Sampled { samples: 64 });
+            let branch = follow(&mut problem, &start, 5.0);
+            let (tip, mut yielded) = (model.dofs().len() - 1, 0.0_f64);
+            for point in branch.points.iter().step_by(4) {
+                let own = problem.modal_point(&point.x, point.residual).unwrap();
+                let coefficients = recovered(&open, &reduced, &own.coefficients);
+                let of_structure = ModalPoint { coefficients, ..own.clone() };
+                let defect = harmonic_balance_defect(&full, &model, &of_structure, 64);
+                assert!(defect < 1e-9, "{symmetry:?}: {defect:e}");
+                let at = |j: u32| of_structure.coefficients.value(tip, TAU * f64::from(j) / f64::from(1 << 14));
+                let peak = (0..1 << 14).map(at).fold(f64::MIN, f64::max);
+                assert!((own.peak / peak - 1.0).abs() < 1e-6, "{} of {peak}", own.peak);
+                let fundamental = of_structure.coefficients.of(tip)[1].norm();
+                assert!((own.fundamental.abs() / fundamental - 1.0).abs() < 1e-10, "{} {fundamental}", own.fundamental);
+                let history = problem.time_history(&point.x, 0, 64, "").unwrap();
+                for (j, displacement) in history.displacement.iter().enumerate() {
+                    let expected = of_structure.coefficients.value(tip, TAU * j as f64 / 64.0);
+                    assert!((displacement - expected).abs() < 1e-9, "{displacement} {expected}");
+                }
+                yielded = yielded.max(peak - 1.0);
+            }
+            assert!(yielded > 0.01, "{yielded}");
+        }
+    }
+}
+
+/// Between stops that both press, each yields to its own force alone: two springs to the ground.
+#[test]
+fn stops_that_press_from_both_sides_are_two_springs_in_all_modes_too() {
+    let model =
+        on_springs(&rod(8, 1.0, 1.0, 1.0, &[(8, Side::Positive, -0.1), (8, Side::Negative, -0.1)]), &[9.0, 4.0]);
+    let start = grazing(&condense(in_all_modes(&model).1.model()), 1).unwrap();
+    let stiffness: Vec<_> = triplets(model.stiffness()).chain([(7, 7, 13.0)]).collect();
+    let stiffness = sparse_from_triplets(8, 8, &stiffness).unwrap();
+    let expected = lowest_modes(&stiffness, model.mass(), 1).unwrap().eigenvalues[0].sqrt();
+    assert!((start.omega / expected - 1.0).abs() < 1e-10, "{} of {expected}", start.omega);
 }
 
 /// Mean strain energy `½ ⟨qᵀ K q⟩ + ½ Σ ⟨λ²⟩/k_c` of a motion that is in the coefficients entirely.
