@@ -241,6 +241,35 @@ impl ContactOperator {
         gaps
     }
 
+    /// Weights of the compliance (c × c) that go with weights `df` (c × width) of the forces where the gaps stay:
+    /// [`forces_by_compliance`](Self::forces_by_compliance) transposed.
+    pub(crate) fn compliance_weights(&self, df: &[f64], y: &[f64]) -> Mat<f64> {
+        let (width, c) = (self.series.width(), self.n_contacts());
+        let mut weights = Mat::zeros(c, c);
+        for spectrum in &self.spectra {
+            let (set, product) = (self.sets.get(spectrum.set), spectrum.product(self.series));
+            let part = |j: &usize| product.chunks(width).map(|row| inner(row, &y[j * width..][..width])).collect();
+            let parts: Vec<Vec<f64>> = set.active.iter().map(part).collect();
+            let pressed = |of: &dyn Fn(usize, usize) -> f64| -> Vec<Vec<f64>> {
+                let row = |&i: &usize| {
+                    let mut sum = vec![0.0; width];
+                    for (at, (j, s)) in set.force_row(i).enumerate() {
+                        sum.iter_mut().enumerate().for_each(|(m, sum)| *sum += s * of(at, j * width + m));
+                    }
+                    sum
+                };
+                set.active.iter().map(row).collect()
+            };
+            // `S` is symmetric.
+            let forces = pressed(&|at, m| parts[at][m % width]);
+            let weighted = pressed(&|_, m| df[m]);
+            for (i, weighted) in set.active.iter().zip(&weighted) {
+                set.active.iter().zip(&forces).for_each(|(j, force)| weights[(*i, *j)] += inner(weighted, force));
+            }
+        }
+        weights
+    }
+
     /// Number of the smooth piece: a hash of the sequence of closed contacts. A whole period may begin at any of them.
     pub fn pattern(&self) -> u64 {
         if self.series.symmetry == Symmetry::Even {

@@ -162,11 +162,16 @@ impl Extreme {
     /// The derivative of the largest value by a parameter, from that of the function at the instant with each of the
     /// sets: at a corner the instant moves, so that both forms stay equal there.
     pub fn change(&self, of: impl Fn(usize) -> f64) -> f64 {
-        let own = of(self.set);
-        match self.beside {
-            Some((set, [slope, other])) => (slope * of(set) - other * own) / (slope - other),
-            None => own,
-        }
+        self.shares().map(|(set, share)| share * of(set)).sum()
+    }
+
+    /// The sets with the share that each has in such a derivative.
+    pub fn shares(&self) -> impl Iterator<Item = (usize, f64)> + use<> {
+        let (own, beside) = match self.beside {
+            Some((set, [slope, other])) => (-other / (slope - other), Some((set, slope / (slope - other)))),
+            None => (1.0, None),
+        };
+        std::iter::once((self.set, own)).chain(beside)
     }
 }
 

@@ -30,8 +30,11 @@ pub enum HbmError {
     /// Laws of force together with damping that couples modes.
     #[error("laws of force beside damping that couples modes: give the dampers as laws too")]
     LawsBesideCoupledModes,
-    /// A gradient is asked for beside laws of force.
-    #[error("gradients are not computed beside springs and dampers that follow a law of force")]
+    /// A gradient is asked for beside stops with a law of force, or by entries of matrices beside any law.
+    #[error(
+        "gradients are not computed beside stops with a law of force, nor by entries of stiffness and mass beside \
+        springs and dampers that follow one"
+    )]
     LawsInGradient,
     /// The mode number is zero or beyond the number of modes.
     #[error("mode {mode} does not exist: the structure has {available} \

@@ -99,11 +99,11 @@ pub use periodic::{
     TableLaw, largest_value, law_length, modal_start, touch_spans,
 };
 pub use periodic::{
-    Closing, ClosingEquation, Column, ContactMotion, Coordinates, DampedStop, EnergyGiven, Floquet, Functional,
-    Grazing, Load, LoadTerm, ModalDamping, ModalStructure, ModeAtRest, Motion, MotionChange, Opening, OperatingPoint,
-    PeriodicMotion, PeriodicSettings, PeriodicSystem, PhaseCondition, PhaseLag, Refined, ResponseRow, Source,
-    StructureChange, StructureState, Watched, modal_grazing, modal_grazing_opened, modal_lift_off,
-    modal_lift_off_opened,
+    ChangedParts, Closing, ClosingEquation, Column, ContactMotion, Coordinates, DampedStop, EnergyGiven, Floquet,
+    Functional, Grazing, Load, LoadTerm, ModalDamping, ModalStructure, ModeAtRest, Motion, MotionChange,
+    MotionGradient, Opening, OperatingPoint, PeriodicMotion, PeriodicSettings, PeriodicSystem, PhaseCondition,
+    PhaseLag, Refined, ResponseRow, Source, StructureChange, StructureState, StructureWeights, Watched, modal_grazing,
+    modal_grazing_opened, modal_lift_off, modal_lift_off_opened,
 };
 pub use series::{RealSeries, Symmetry};
 pub use shrinking_gaps::ShrinkingGaps;

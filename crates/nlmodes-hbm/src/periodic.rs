@@ -1,6 +1,7 @@
 //! Damped, forced and conservative periodic motions of a structure in open modes, put together from a linear response,
 //! the contact operator and closing conditions.
 
+mod adjoint;
 mod analyses;
 mod block;
 mod change;
@@ -25,9 +26,11 @@ mod sensitivity;
 mod start;
 mod structure;
 mod system;
+mod weights;
 
+pub use adjoint::{MotionChange, MotionGradient, Watched};
 pub use analyses::Coordinates;
-pub use change::{StructureChange, StructureState};
+pub use change::{ChangedParts, StructureChange, StructureState};
 pub use closing_equations::{ClosingEquation, EnergyGiven, Functional, Motion, PhaseCondition, PhaseLag};
 pub use damped_stop::DampedStop;
 pub use damping::ModalDamping;
@@ -40,8 +43,9 @@ pub use load::{Load, LoadTerm};
 pub use motion::{ContactMotion, PeriodicMotion, largest_value};
 pub use operating_point::{Closing, Column, OperatingPoint, Source};
 pub use refine::Refined;
-pub use sensitivity::{MotionChange, Opening, Watched};
+pub use sensitivity::Opening;
 pub use start::{Grazing, ModeAtRest, modal_grazing, modal_grazing_opened, modal_lift_off, modal_lift_off_opened};
 pub(crate) use start::{STRAINLESS, unless_touching};
 pub use structure::{ModalStructure, ResponseRow};
 pub use system::{PeriodicSettings, PeriodicSystem};
+pub use weights::StructureWeights;

@@ -142,6 +142,18 @@ pub(crate) trait LinearResponse {
         block: &HarmonicBlock,
         weights: &[Complex64],
     ) -> (Vec<Complex64>, Vec<Complex64>);
+
+    /// The weights of a load of the modes (m), and of what moves the places of laws, that go with weights of the residual
+    /// (d) and of the modal coordinates (m) of an evaluated block, where coordinates and forces stay: both answer to any
+    /// load.
+    fn pull_load(
+        &self,
+        n: usize,
+        at: OperatingPoint,
+        block: &HarmonicBlock,
+        residual: &[Complex64],
+        eta: &[Complex64],
+    ) -> (Vec<Complex64>, Vec<Complex64>);
 }
 
 /// Stiffness that holds the mean of a rigid-body motion, over that of the contacts that it moves.

@@ -1,7 +1,9 @@
+use std::sync::Arc;
+
 use nlmodes_linalg::Mat;
 use num_complex::Complex64;
 
-use super::closing_equations::Motion;
+use super::law::{ForceLaw, PlacedLaw};
 use super::load::{Load, LoadTerm, VariedHarmonic};
 use super::operating_point::OperatingPoint;
 use super::structure::{ModalStructure, ResponseRow};
@@ -25,6 +27,58 @@ pub struct StructureState<'a> {
     pub watched: Option<ResponseRow>,
 }
 
+/// Derivatives of the parts of a structure in open modes, of its load and of displacements by a parameter, per unit of
+/// that.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChangedParts {
+    /// Of `Ω²`, m × m.
+    pub stiffness: Mat<f64>,
+    /// Of `Ĉ`, m × m.
+    pub damping: Mat<f64>,
+    /// Of `Y`, c × m.
+    pub rows: Mat<f64>,
+    /// Of `A`, c × c.
+    pub compliance: Mat<f64>,
+    /// Of the load of level one.
+    pub terms: Vec<LoadTerm>,
+    /// Of the drive point.
+    pub drive: Option<ResponseRow>,
+    /// Of the displacement whose amplitude is followed.
+    pub watched: Option<ResponseRow>,
+}
+
+/// Derivative of a law of force and of its place.
+#[derive(Debug, Clone)]
+pub(super) struct LawChange {
+    /// Of how the modes (m), the contacts (c) and the laws move its place.
+    pub modes: Vec<f64>,
+    pub contacts: Vec<f64>,
+    pub laws: Vec<f64>,
+    /// The law at several values of the parameter, with their weights in the difference quotient.
+    pub law: Vec<(f64, Arc<dyn ForceLaw>)>,
+}
+
+impl PartialEq for LawChange {
+    fn eq(&self, other: &Self) -> bool {
+        let same = self.law.iter().zip(&other.law).all(|(a, b)| a.0 == b.0 && Arc::ptr_eq(&a.1, &b.1));
+        let places = |of: &Self| [of.modes.clone(), of.contacts.clone(), of.laws.clone()];
+        self.law.len() == other.law.len() && same && places(self) == places(other)
+    }
+}
+
+impl LawChange {
+    fn none(placed: &PlacedLaw) -> Self {
+        let zeros = |of: &[f64]| vec![0.0; of.len()];
+        let PlacedLaw { modes, contacts, laws, .. } = placed;
+        Self { modes: zeros(modes), contacts: zeros(contacts), laws: zeros(laws), law: Vec::new() }
+    }
+
+    /// Of the force where displacement and velocity stay.
+    pub fn force(&self, v: f64, rate: f64) -> f64 {
+        self.law.iter().map(|(weight, law)| weight * law.at(v, rate).force).sum()
+    }
+}
+
 /// Derivative of a structure in open modes and of its load by a parameter, per unit of that.
 ///
 /// The modes are those that change as little as they can ([`StructureState::turn`]): their stiffness and damping are
@@ -32,20 +86,23 @@ pub struct StructureState<'a> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct StructureChange {
     /// Of `Ω²`, m × m, and the stiffness of stops that dissipate.
-    stiffness: Mat<f64>,
+    pub(super) stiffness: Mat<f64>,
     /// Of `Ĉ`, m × m.
-    damping: Mat<f64>,
+    pub(super) damping: Mat<f64>,
+    /// Whether that is not zero.
+    pub(super) damps: bool,
     /// Of `Y`, c × m.
-    rows: Mat<f64>,
+    pub(super) rows: Mat<f64>,
     /// Of `A + C`, c × c.
-    compliance: Mat<f64>,
+    pub(super) compliance: Mat<f64>,
     /// Of `C`, c.
-    stop_compliance: Vec<f64>,
-    gaps: Vec<f64>,
+    pub(super) stop_compliance: Vec<f64>,
+    pub(super) gaps: Vec<f64>,
     /// Of the steady force, m.
-    steady: Vec<f64>,
-    terms: Vec<LoadTerm>,
-    level: f64,
+    pub(super) steady: Vec<f64>,
+    pub(super) terms: Vec<LoadTerm>,
+    pub(super) level: f64,
+    pub(super) laws: Vec<LawChange>,
     pub(super) drive: Option<ResponseRow>,
     pub(super) watched: Option<ResponseRow>,
 }
@@ -54,30 +111,66 @@ impl StructureChange {
     /// `Σ w state` over values of the parameter: with the weights of a difference quotient the derivative.
     ///
     /// # Errors
-    /// [`HbmError::Size`] for states that are not of one structure, [`HbmError::LawsInGradient`] of one with springs or
-    /// dampers that follow a law.
+    /// [`HbmError::Size`] for states that are not of one structure, [`HbmError::LawsInGradient`] of one with stops that
+    /// follow a law of force.
     pub fn of_differences(states: &[(StructureState<'_>, f64)]) -> Result<Self, HbmError> {
         let Some((first, _)) = states.first() else {
             return Err(HbmError::Size { what: "states of a structure", expected: 1, found: 0 });
         };
-        let (m, c) = (first.structure.n_modes(), first.structure.n_contacts());
         let mut change = Self {
+            drive: first.drive.as_ref().map(nowhere),
+            watched: first.watched.as_ref().map(nowhere),
+            ..Self::none(first.structure, first.load)
+        };
+        for (state, weight) in states {
+            change.add(state, *weight)?;
+        }
+        change.damps = is_any(&change.damping);
+        Ok(change)
+    }
+
+    /// From the derivatives of its parts; gaps, stops and the level do not change.
+    ///
+    /// # Errors
+    /// [`HbmError::Size`] for parts that are not of this structure and load.
+    pub fn of_parts(structure: &ModalStructure, load: &Load, parts: ChangedParts) -> Result<Self, HbmError> {
+        let (m, c, none) = (structure.n_modes(), structure.n_contacts(), Self::none(structure, load));
+        let sizes = [
+            ("modes of a changed structure", m, parts.stiffness.nrows()),
+            ("modes of a changed damping", m, parts.damping.nrows()),
+            ("contacts of a changed structure", c, parts.rows.nrows()),
+            ("contacts of a changed compliance", c, parts.compliance.nrows()),
+            ("terms of a changed load", load.terms().len(), parts.terms.len()),
+        ];
+        if let Some(&(what, expected, found)) = sizes.iter().find(|(_, expected, found)| expected != found) {
+            return Err(HbmError::Size { what, expected, found });
+        }
+        if !structure.laws().is_empty() {
+            return Err(HbmError::LawsInGradient);
+        }
+        let ChangedParts { stiffness, damping, rows, compliance, terms, drive, watched } = parts;
+        let damps = is_any(&damping);
+        Ok(Self { stiffness, damping, damps, rows, compliance, terms, drive, watched, ..none })
+    }
+
+    /// Nothing changes.
+    pub(super) fn none(structure: &ModalStructure, load: &Load) -> Self {
+        let (m, c) = (structure.n_modes(), structure.n_contacts());
+        Self {
             stiffness: Mat::zeros(m, m),
             damping: Mat::zeros(m, m),
+            damps: false,
             rows: Mat::zeros(c, m),
             compliance: Mat::zeros(c, c),
             stop_compliance: vec![0.0; c],
             gaps: vec![0.0; c],
             steady: vec![0.0; m],
-            terms: first.load.terms().iter().map(still).collect(),
+            terms: load.terms().iter().map(still).collect(),
             level: 0.0,
-            drive: first.drive.as_ref().map(nowhere),
-            watched: first.watched.as_ref().map(nowhere),
-        };
-        for (state, weight) in states {
-            change.add(state, *weight)?;
+            laws: structure.laws().iter().map(LawChange::none).collect(),
+            drive: None,
+            watched: None,
         }
-        Ok(change)
     }
 
     fn add(&mut self, state: &StructureState<'_>, weight: f64) -> Result<(), HbmError> {
@@ -88,11 +181,12 @@ impl StructureChange {
             ("contacts of a changed structure", c, structure.n_contacts()),
             ("terms of a changed load", self.terms.len(), state.load.terms().len()),
             ("modes with mass of a changed structure", structure.n_moving(), state.turn.nrows()),
+            ("laws of a changed structure", self.laws.len(), structure.laws().len()),
         ];
         if let Some(&(what, expected, found)) = sizes.iter().find(|(_, expected, found)| expected != found) {
             return Err(HbmError::Size { what, expected, found });
         }
-        if !structure.laws().is_empty() {
+        if structure.law_stops().next().is_some() {
             return Err(HbmError::LawsInGradient);
         }
         // Stops that dissipate stay what they are.
@@ -125,6 +219,12 @@ impl StructureChange {
             add_turned(&turn, weight, &other.modal, &mut term.modal);
             term.gaps.iter_mut().zip(&other.gaps).for_each(|(to, from)| *to += from * weight);
         }
+        for (own, placed) in self.laws.iter_mut().zip(structure.laws()) {
+            add_turned(&turn, weight, &placed.modes, &mut own.modes);
+            own.contacts.iter_mut().zip(&placed.contacts).for_each(|(to, from)| *to += weight * from);
+            own.laws.iter_mut().zip(&placed.laws).for_each(|(to, from)| *to += weight * from);
+            own.law.push((weight, placed.law.clone()));
+        }
         self.level += weight * state.level;
         for (own, other) in [(&mut self.drive, &state.drive), (&mut self.watched, &state.watched)] {
             if let (Some(own), Some(other)) = (own, other) {
@@ -155,14 +255,22 @@ impl StructureChange {
             let modal = |k: usize| {
                 let inner: Complex64 = (0..m).map(|j| held(k, j) * eta[j]).sum();
                 let pressed: Complex64 = (0..c).map(|i| forces[i] * self.rows[(i, k)]).sum();
+                let reacted: Complex64 = self.laws.iter().zip(&forces[c..]).map(|(law, f)| f * law.modes[k]).sum();
                 let steady = if n == 0 { self.steady[k] } else { 0.0 };
-                pressed - inner + steady + driven(&|term| term.modal[k])
+                pressed + reacted - inner + steady + driven(&|term| term.modal[k])
             };
             let gap = |i: usize| {
                 let moved: Complex64 = (0..m).map(|k| eta[k] * self.rows[(i, k)]).sum();
-                moved + if n == 0 { self.gaps[i] } else { 0.0 } + driven(&|term| term.gaps[i])
+                let reacted: Complex64 = self.laws.iter().zip(&forces[c..]).map(|(law, f)| f * law.contacts[i]).sum();
+                moved + reacted + if n == 0 { self.gaps[i] } else { 0.0 } + driven(&|term| term.gaps[i])
             };
-            VariedHarmonic { modal: (0..m).map(modal).collect(), gaps: (0..c).map(gap).collect() }
+            let place = |(l, law): (usize, &LawChange)| {
+                let along = |row: &[f64], z: &[Complex64]| row.iter().zip(z).map(|(r, z)| z * *r).sum::<Complex64>();
+                let reacted = along(&law.contacts, forces) + along(&law.laws, &forces[c..]);
+                along(&law.modes, eta) + reacted + driven(&|term| term.gaps[c + l])
+            };
+            let places = (0..c).map(gap).chain(self.laws.iter().enumerate().map(place));
+            VariedHarmonic { modal: (0..m).map(modal).collect(), gaps: places.collect() }
         };
         motion.iter().enumerate().map(of).collect()
     }
@@ -182,47 +290,14 @@ impl StructureChange {
         changed.map(of).sum()
     }
 
-    /// Derivative of the complex amplitude of a row, `change` being that of the row, where the motion is fixed.
-    pub(super) fn of_row(
-        &self,
-        row: &ResponseRow,
-        change: &Option<ResponseRow>,
-        n: usize,
-        motion: &Motion,
-    ) -> Complex64 {
-        let at = motion.at;
-        let along = |row: &[f64], z: &[Complex64]| row.iter().zip(z).map(|(r, z)| z * *r).sum::<Complex64>();
-        let of_motion = change.as_ref().map_or(Complex64::default(), |change| {
-            along(&change.modes, &(motion.eta)(n)) + along(&change.contacts, &(motion.forces)(n))
-        });
-        let terms = motion.load.terms().iter().enumerate().filter(|(_, term)| term.harmonic == n);
-        let of_load = |(t, term): (usize, &LoadTerm)| {
-            let changed = change.as_ref().and_then(|change| change.loads.get(t)).copied().unwrap_or_default();
-            let own = row.loads.get(t).copied().unwrap_or_default();
-            (changed * at.level + own * self.level) * at.omega.powi(term.omega_power)
-        };
-        of_motion + terms.map(of_load).sum::<Complex64>()
-    }
-
     /// Of `A + C`, c × c, m/N per unit.
     pub(super) fn compliance(&self) -> &Mat<f64> {
         &self.compliance
     }
+}
 
-    /// Of the compliance of a stop alone.
-    pub(super) fn of_stop(&self, contact: usize) -> f64 {
-        self.stop_compliance[contact]
-    }
-
-    /// Of the gap of a contact.
-    pub(super) fn of_gap(&self, contact: usize) -> f64 {
-        self.gaps[contact]
-    }
-
-    /// Of spring and damper of the stop with this coordinate.
-    pub(super) fn of_damped_stop(&self, k: usize) -> [f64; 2] {
-        [self.stiffness[(k, k)], self.damping[(k, k)]]
-    }
+fn is_any(matrix: &Mat<f64>) -> bool {
+    (0..matrix.ncols()).any(|j| matrix.col(j).iter().any(|entry| *entry != 0.0))
 }
 
 fn still(term: &LoadTerm) -> LoadTerm {
@@ -230,7 +305,7 @@ fn still(term: &LoadTerm) -> LoadTerm {
     LoadTerm { modal: zeros(&term.modal), gaps: zeros(&term.gaps), ..*term }
 }
 
-fn nowhere(row: &ResponseRow) -> ResponseRow {
+pub(super) fn nowhere(row: &ResponseRow) -> ResponseRow {
     ResponseRow {
         modes: vec![0.0; row.modes.len()],
         contacts: vec![0.0; row.contacts.len()],

@@ -1,9 +1,9 @@
 use num_complex::Complex64;
 
-use super::change::StructureChange;
 use super::load::Load;
 use super::operating_point::OperatingPoint;
 use super::structure::ResponseRow;
+use super::weights::StructureWeights;
 use crate::series::RealSeries;
 use crate::trigonometric::inner;
 use crate::{HbmError, Symmetry};
@@ -54,11 +54,10 @@ pub trait ClosingEquation: Send {
     /// [`HbmError`] where the equation has no value.
     fn evaluate(&self, motion: &Motion) -> Result<Functional, HbmError>;
 
-    /// Derivative by a parameter of the structure where the motion is fixed: of equations that know something of the
-    /// structure, such as where its drive point is.
-    fn by_parameter_of_structure(&self, motion: &Motion, change: &StructureChange) -> f64 {
-        let _ = (motion, change);
-        0.0
+    /// Derivative by the structure where the motion is fixed, times a factor, added to weights: of equations that know
+    /// something of the structure, such as where its drive point is.
+    fn weigh_structure(&self, motion: &Motion, factor: f64, weights: &mut StructureWeights) {
+        let _ = (motion, factor, weights);
     }
 
     /// Whether it depends on the averaged kinetic energy.
@@ -118,8 +117,8 @@ impl ClosingEquation for AtZero {
         Ok(Functional { by_parameter: 0.0, ..self.0.evaluate(&Motion { p: 0.0, ..*motion })? })
     }
 
-    fn by_parameter_of_structure(&self, motion: &Motion, change: &StructureChange) -> f64 {
-        self.0.by_parameter_of_structure(&Motion { p: 0.0, ..*motion }, change)
+    fn weigh_structure(&self, motion: &Motion, factor: f64, weights: &mut StructureWeights) {
+        self.0.weigh_structure(&Motion { p: 0.0, ..*motion }, factor, weights);
     }
 
     fn asks_for_energy(&self) -> bool {
@@ -224,8 +223,8 @@ impl ClosingEquation for PhaseLag {
         Box::new(self.clone())
     }
 
-    fn by_parameter_of_structure(&self, motion: &Motion, change: &StructureChange) -> f64 {
+    fn weigh_structure(&self, motion: &Motion, factor: f64, weights: &mut StructureWeights) {
         let (q, _) = self.amplitude(motion);
-        (-Complex64::I / q * change.of_row(&self.row, &change.drive, self.harmonic, motion)).re
+        weights.add_drive(-Complex64::I / q * factor, &self.row, self.harmonic, motion);
     }
 }

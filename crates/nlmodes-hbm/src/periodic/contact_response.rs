@@ -274,6 +274,33 @@ impl LinearResponse for ContactResponse {
         }
         (by_x, by_force)
     }
+
+    fn pull_load(
+        &self,
+        n: usize,
+        at: OperatingPoint,
+        block: &HarmonicBlock,
+        residual: &[Complex64],
+        eta: &[Complex64],
+    ) -> (Vec<Complex64>, Vec<Complex64>) {
+        let mut of = vec![Complex64::default(); eta.len()];
+        // Weights of `v`, which all modes but the one apart are taken off.
+        let mut by_v = residual.to_vec();
+        if let Some((p, rho2)) = block.pole {
+            let (d, turn) = (dynamic_stiffness(&self.structure, n, p, at).0, &self.turns[p]);
+            let factor = residual[0] * (turn.length / rho2.sqrt());
+            of[p] = eta[p] * d.conj() / rho2 - factor;
+            by_v[0] = Complex64::default();
+            turn.apply(&mut by_v);
+            let along_row = (factor * d + eta[p] * (self.coupling[p].powi(2) / rho2)) / self.squares[p];
+            by_v.iter_mut().zip(self.row(p)).for_each(|(to, y)| *to += along_row * y);
+        }
+        let pole = block.pole.map(|(p, _)| p);
+        for k in (0..of.len()).filter(|&k| Some(k) != pole && (n > 0 || self.squares[k] > 0.0)) {
+            of[k] = (eta[k] - along(self.row(k), &by_v)) / dynamic_stiffness(&self.structure, n, k, at).0;
+        }
+        (of, by_v[self.first_law()..].iter().map(|weight| -weight).collect())
+    }
 }
 
 /// The mode apart at one harmonic.

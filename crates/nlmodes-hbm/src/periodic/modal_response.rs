@@ -140,4 +140,22 @@ impl LinearResponse for ModalResponse {
         let by_x = self.active.iter().map(|&k| weights[k]).collect();
         (by_x, vec![Complex64::default(); self.active.len()])
     }
+
+    fn pull_load(
+        &self,
+        n: usize,
+        at: OperatingPoint,
+        block: &HarmonicBlock,
+        residual: &[Complex64],
+        eta: &[Complex64],
+    ) -> (Vec<Complex64>, Vec<Complex64>) {
+        let alone = |k: usize| eta[k] / dynamic_stiffness(&self.structure, n, k, at).0;
+        let mut of: Vec<Complex64> = (0..eta.len()).map(alone).collect();
+        let d = self.active.len();
+        for (row, &k) in self.active.iter().enumerate() {
+            // `G` is `1/ρ` on its diagonal, and zero where a mode is left where it is.
+            of[k] = -residual[row] * block.g[row * d + row];
+        }
+        (of, Vec::new())
+    }
 }

@@ -61,6 +61,8 @@ pub struct PeriodicSystem {
     /// The laws beside the stops, their reactions on the structure, N, and the derivatives of these with respect to ω.
     pub(super) laws: LawOperator,
     pub(super) reactions: [Vec<f64>; 2],
+    /// What a parameter does to the reactions where the motion stays; else empty.
+    pub(super) varied_reactions: Vec<f64>,
     /// What lies below the last digit of each unknown of a refined solution; else empty.
     pub(super) rest: Vec<f64>,
     pub(crate) blocks: Vec<HarmonicBlock>,
@@ -107,6 +109,7 @@ impl PeriodicSystem {
             operator: ContactOperator::new(structure.compliance(), series, settings.switching, solver)?,
             laws: LawOperator::new(structure.laws(), series, structure.law_samples)?,
             reactions: Default::default(),
+            varied_reactions: Vec::new(),
             gap_map,
             maps: Vec::new(),
             y: vec![0.0; c * series.width()],
@@ -424,6 +427,7 @@ impl PeriodicSystem {
         let by_gap = self.operator.apply_transposed(&by_force);
         by_x.iter_mut().zip(self.generalised(&by_gap)).for_each(|(to, from)| *to += from);
         by[0] += inner(&by_generalised[first..], &self.reactions[1]);
+        by[2] += inner(&by_generalised[first..], &self.varied_reactions);
         for l in 0..self.laws.len() {
             let (at, derivative) = (first + l * width, self.laws.derivative(l));
             for (weight, row) in by_generalised[at..at + width].iter().zip(derivative.chunks(width)) {

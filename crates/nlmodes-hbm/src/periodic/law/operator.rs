@@ -6,6 +6,7 @@ use num_complex::Complex64;
 
 use super::touches::{Rules, touch_spans, value};
 use super::{ForceLaw, LawForce, PlacedLaw};
+use crate::periodic::weights::LawSample;
 use crate::series::RealSeries;
 use crate::{HbmError, Symmetry};
 
@@ -117,6 +118,34 @@ impl LawOperator {
             }
         }
         matrix
+    }
+
+    /// Coefficients of the reaction that a change of the force of a law adds where its motion stays; `force` is that
+    /// change at a displacement (m) and a velocity (m/s), N.
+    pub fn changed(&mut self, l: usize, force: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+        let (series, sampled) = (self.series, &mut self.laws[l]);
+        let mut reaction = vec![0.0; series.width()];
+        sampled.analyze(series, |s, j| -force(s.v[j], s.omega * s.dv[j]), &mut reaction);
+        reaction
+    }
+
+    /// What a change of the force of a law at its samples counts, of weights of the coefficients of its reaction:
+    /// [`changed`](Self::changed) transposed.
+    pub fn sample_weights(&self, l: usize, weights: &[f64]) -> Vec<LawSample> {
+        let sampled = &self.laws[l];
+        let mut z = vec![Complex64::default(); self.series.n_harmonics + 1];
+        self.series.to_complex(weights, &mut z);
+        z[1..].iter_mut().for_each(|z| *z *= 2.0);
+        let count = sampled.v.len();
+        let at = |j: usize| match &sampled.instants {
+            Instants::Even(_) => [TAU * j as f64 / count as f64, 1.0 / count as f64],
+            Instants::Touches { nodes, .. } => nodes[j],
+        };
+        let one = |j: usize| {
+            let [tau, share] = at(j);
+            LawSample { v: sampled.v[j], rate: sampled.omega * sampled.dv[j], weight: -share * value(&z, tau).0 }
+        };
+        (0..count).map(one).collect()
     }
 
     /// Mean energy that the laws store, J.
