@@ -1,6 +1,7 @@
 //! Which node and direction a row of the matrices belongs to.
 
 mod calculix;
+mod entries;
 mod mapping;
 mod table;
 mod values;
@@ -11,6 +12,7 @@ use std::path::Path;
 
 use crate::Address;
 use crate::error::{Problem, ReadError, Result};
+pub use entries::{ParameterEntry, read_parameter_entries};
 pub use values::read_nodal_values;
 
 /// What a degree of freedom of a node measures.

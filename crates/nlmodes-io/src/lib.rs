@@ -74,7 +74,9 @@ pub use contact::{
 };
 pub use error::{Place, Problem, ReadError, Result};
 pub use formats::{Format, MatrixData, UnknownFormat, read_matrix};
-pub use labels::{Component, DofLabel, LabelTable, RepeatedLabel, read_nodal_values};
+pub use labels::{
+    Component, DofLabel, LabelTable, ParameterEntry, RepeatedLabel, read_nodal_values, read_parameter_entries,
+};
 pub use lower::LowerTriangle;
 pub use mesh::{Element, ElementKind, Mesh, Skin, SkinCell};
 pub use model::{FeFiles, FeModel, NodeChoice};

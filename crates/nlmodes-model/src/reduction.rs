@@ -48,6 +48,7 @@
 //! boundary of contact: D. Monjaraz-Tec, J. Gross, M. Krack, *A massless boundary component mode synthesis method for
 //! elastodynamic contact problems*, Computers & Structures 260 (2022) 106698.
 
+mod direction;
 mod error;
 mod galerkin;
 mod given;
@@ -59,6 +60,7 @@ mod residual;
 mod rest;
 mod rows;
 
+pub use direction::{MatrixDirection, OpenChange, OpenDerivative};
 pub use error::ReductionError;
 pub use galerkin::GalerkinReduction;
 pub use given::{GivenFlexibility, GivenModes, modal_flexibility};

@@ -109,6 +109,7 @@ fn one_branch(
     observer.event(Event::Begun(scene));
     doubts::tell(scene, open.as_ref(), observer);
     refusal::unless_branch(file, open.as_ref())?;
+    gradients::check(file, open.as_ref())?;
     let modes = mass::open_modes(file, &model, &massless)
         .map_err(|error| refusal::unless_floating(file, open.as_ref(), error))?;
     if let Some(text) = mass::warning(scene, &modes) {

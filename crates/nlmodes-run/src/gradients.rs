@@ -6,15 +6,16 @@ use nlmodes::branches::{ComputedBranch, Watch};
 use nlmodes::hbm::{MotionChange, StructureChange};
 use nlmodes::linalg::triplets;
 use nlmodes::modal::Gradient;
-use nlmodes::model::reduction::OpenModes;
+use nlmodes::model::reduction::{MatrixDirection, OpenModes};
 use nlmodes::response::{
     AtValue, Damping, Gradients, ParameterState, ResponseModel, ResponseSettings, Weights, mode_gradients,
 };
+use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::{Assembly, OpenStructure, Structures};
-use nlmodes_scene::scene::{Reduction, Scene, SceneState, Sensitivity};
+use nlmodes_scene::scene::{Reduction, Scene, SceneState, SceneStructure, Sensitivity};
 
-use crate::Failure;
 use crate::settings::branch_settings;
+use crate::{Failure, RunError};
 
 /// The derivatives of a point from those of its motion, of which `subharmonic` periods of the load are one; `moved` is
 /// that of what static loads move the first contact toward its stop.
@@ -56,13 +57,21 @@ pub fn of_branches(
     let own = branch_settings(scene);
     let settings = settings(scene, own.harmonics, watch);
     let base = model(&open.modes)?;
+    let first = toward_first(&open.modes);
+    let directions = scene.sensitivities.iter().filter(|own| !own.entries.is_empty());
+    let directions = directions.map(|own| direction(scene, open, own)).collect::<Result<Vec<_>, _>>()?;
+    let mut along = base.changes_along(&directions, Some(&first), &settings)?.into_iter();
     let (mut changes, mut moved) = (Vec::new(), Vec::new());
     for sensitivity in &scene.sensitivities {
-        let (change, toward) = change(open, (&base, sensitivity), structures, &settings)?;
+        let along = if sensitivity.entries.is_empty() { None } else { along.next() };
+        let (change, toward) = match along {
+            Some(change) => (change, 0.0),
+            None => change(open, (&base, sensitivity), structures, &settings)?,
+        };
         changes.push(change);
         moved.push(toward);
     }
-    let watched = base.watched(&toward_first(&open.modes), &settings)?;
+    let watched = base.watched(&first, &settings)?;
     let settings = settings.with_gradients(Gradients { watched, changes });
     let mut without = 0;
     for computed in branches {
@@ -97,6 +106,30 @@ pub fn settings(scene: &Scene, harmonics: usize, watch: Watch) -> ResponseSettin
         max_points: own.max_points,
         watch,
         ..ResponseSettings::new([1.0, 2.0])
+    }
+}
+
+/// Refuses parameters that change entries which the matrices do not have.
+///
+/// # Errors
+/// [`RunError`] that names the entry.
+pub fn check(file: &SceneFile, open: Option<&OpenStructure>) -> Result<(), RunError> {
+    let Some(open) = open else { return Ok(()) };
+    let mut all = file.scene.sensitivities.iter().filter(|own| !own.entries.is_empty());
+    all.try_for_each(|own| {
+        let found = direction(&file.scene, open, own).map(drop);
+        found.map_err(|why| file.error_at("sensitivity", &why, "expected rows of the matrices", &[]).into())
+    })
+}
+
+/// What a parameter does to the matrices of a structure from files.
+///
+/// # Errors
+/// Words about an entry that these do not have.
+pub fn direction(scene: &Scene, open: &OpenStructure, own: &Sensitivity) -> Result<MatrixDirection, String> {
+    match (&scene.structure, &open.files) {
+        (SceneStructure::Matrices(matrices), Some((model, _))) => own.direction(model, &matrices.files.units),
+        _ => Err("only a structure from files has entries of stiffness and mass".to_owned()),
     }
 }
 

@@ -173,7 +173,7 @@ fn rest(
     let of_responses = response::check(raw, &subject.places, method.as_ref(), diagnostics);
     let transient = transient::check(raw, base, &subject.places, diagnostics);
     let output = raw.output.clone().unwrap_or_default();
-    let sensitivities = sensitivity::check(raw, diagnostics);
+    let sensitivities = sensitivity::check(raw, base, diagnostics);
     let scene = Scene {
         title: raw.title.clone().unwrap_or_else(|| stem.to_owned()),
         structure: structure?,

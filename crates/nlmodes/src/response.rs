@@ -49,6 +49,7 @@ mod analyses;
 mod base_motion;
 mod curve;
 mod damping;
+mod direction;
 mod error;
 mod exact;
 mod finer;

@@ -220,3 +220,215 @@ fn what_has_no_gradient_is_refused_by_name() -> Outcome {
     }
     Ok(())
 }
+
+/// Stiffness, mass and labels of a chain of six masses between springs that are all different, in N/mm and t, with one
+/// entry (row and column from 1, of `k` or `m`) increased by so much.
+fn chain_files(folder: &Path, name: &str, changes: &[Entry]) -> Result<String, Box<dyn Error>> {
+    let spring = |i: usize| 200.0 + 30.0 * (i as f64);
+    let mut entries = Vec::new();
+    for i in 1..=6 {
+        entries.push(('k', i, i, spring(i) + if i < 6 { spring(i + 1) } else { 0.0 }));
+        entries.push(('m', i, i, 1e-3 + 1e-4 * i as f64));
+        if i > 1 {
+            entries.push(('k', i, i - 1, -spring(i)));
+        }
+    }
+    entries.extend(changes);
+    let mut parts = String::new();
+    for (matrix, key) in [('k', "stiffness"), ('m', "mass")] {
+        let mut sums = HashMap::<(usize, usize), f64>::new();
+        for (_, i, j, value) in entries.iter().filter(|entry| entry.0 == matrix) {
+            *sums.entry((*i, *j)).or_default() += value;
+        }
+        let lines: Vec<String> = sums.iter().map(|((i, j), value)| format!("{i} {j} {value:.17e}")).collect();
+        let heading = format!("%%MatrixMarket matrix coordinate real symmetric\n6 6 {}\n", lines.len());
+        let path = folder.join(format!("{name}_{matrix}.mtx"));
+        fs::write(&path, heading + &lines.join("\n") + "\n")?;
+        parts += &format!("{key} = {:?}\n", path.display().to_string());
+    }
+    let labels: Vec<String> = (1..=6).map(|i| format!("{i},{i},ux")).collect();
+    let path = folder.join("dofs.csv");
+    fs::write(&path, labels.join("\n") + "\n")?;
+    Ok(format!(
+        "[structure]\nkind = \"matrices\"\n{parts}dofs = {:?}\nunits = \"mm-t-s\"\n",
+        path.display().to_string()
+    ))
+}
+
+/// Matrix, row, column and value.
+type Entry = (char, usize, usize, f64);
+
+/// A spring, a mass and an entry beside the diagonal of each matrix, in the units of the files.
+const DIRECTIONS: [(&str, &[Entry]); 4] = [
+    ("spring", &[('k', 3, 3, 1.0), ('k', 2, 2, 1.0), ('k', 3, 2, -1.0)]),
+    ("pad", &[('m', 5, 5, 1e-5)]),
+    ("k_41", &[('k', 4, 1, 1.0)]),
+    ("m_65", &[('m', 6, 5, 1e-5)]),
+];
+
+const CHAIN: &str = "[[contact]]\nnode = 6\nnormal = [1.0, 0.0, 0.0]\ngap_mm = 1.0\nstiffness_n_m = 2e5\n\
+    [reduction]\nmodes = 4\n[method]\nharmonics = 5\n[output]\nstability = \"never\"\nfigures = false\npage = false\n";
+
+#[test]
+fn gradients_by_entries_of_stiffness_and_mass_are_those_of_runs_with_other_files() -> Outcome {
+    let place = tempdir()?;
+    let mut table = "parameter,matrix,node,component,other_node,other_component,value\n".to_owned();
+    for (name, entries) in DIRECTIONS {
+        for (matrix, i, j, value) in entries {
+            let matrix = if *matrix == 'k' { "stiffness" } else { "mass" };
+            table += &format!("{name},{matrix},{i},ux,{j},ux,{value}\n");
+        }
+    }
+    let file = place.path().join("entries.csv");
+    fs::write(&file, table)?;
+    let asked = format!("[[sensitivity]]\nentries = {:?}\n", file.display().to_string());
+    let force = "[[force]]\nnode = 2\ndirection = [1.0, 0.0, 0.0]\namplitude_n = 30.0\n\
+        [[response]]\nkind = \"frequency\"\nfrequency_hz = [12.0, 20.0]\n";
+    let damped = [
+        "[damping]\nratio = 0.02\n",
+        "[damping]\nrayleigh = { mass_1_s = 2.0, stiffness_s = 1e-4 }\n[[damping.dashpot]]\nnode = 4\n\
+            direction = [1.0, 0.0, 0.0]\ndamping_n_s_m = 3.0\n",
+    ];
+    for damping in damped {
+        let text = |name: &str, changes: &[Entry]| -> Result<String, Box<dyn Error>> {
+            Ok(chain_files(place.path(), name, changes)? + CHAIN + damping + force)
+        };
+        let (_folder, base) = last_row(&(text("own", &[])? + &asked), &[])?;
+        assert!(base["peak_contact_force_n"] > 0.0, "{base:?}");
+        for (name, entries) in DIRECTIONS {
+            let h = 1e-3;
+            let end = |times: f64| -> Result<HashMap<String, f64>, Box<dyn Error>> {
+                let moved: Vec<_> = entries.iter().map(|(m, i, j, value)| (*m, *i, *j, times * h * value)).collect();
+                Ok(last_row(&text(&format!("{name}_{times}"), &moved)?, &[])?.1)
+            };
+            let (above, below) = (end(1.0)?, end(-1.0)?);
+            for (what, of) in [
+                ("amplitude", "fundamental_m"),
+                ("peak", "peak_m"),
+                ("peak_force", "peak_contact_force_n"),
+                ("impulse", "impulse_ns"),
+            ] {
+                let difference = (above[of] - below[of]) / (2.0 * h);
+                let gradient = base[&format!("d_{what}_d_{name}")];
+                let error = (gradient - difference).abs() / difference.abs();
+                assert!(error < 1e-5, "{name}, {what}: {gradient} by gradient, {difference}, {error:.1e}");
+            }
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn tables_of_entries_are_refused_where_they_are_about_something_else() -> Outcome {
+    let place = tempdir()?;
+    let file = place.path().join("entries.csv");
+    let asked = format!("[[sensitivity]]\nentries = {:?}\n", file.display().to_string());
+    let chain = chain_files(place.path(), "own", &[])? + CHAIN + MODE + &asked;
+    for (row, text, code, expected) in [
+        ("spring,stiffness,9,ux,9,ux,1.0\n", chain.clone(), Some(2), "ux of node 9, which is no row"),
+        ("spring,damping,1,ux,1,ux,1.0\n", chain.clone(), Some(2), "`stiffness` or `mass`"),
+        ("spring,stiffness,1,ux,1,ux,1.0\n", format!("{BEAM}{MODE}{asked}"), Some(2), "only a structure from files"),
+        ("spring,stiffness,1,ux,1,ux,1.0\n", chain + "key = \"contact.0.gap_mm\"\n", Some(2), "`key` or `entries`"),
+    ] {
+        fs::write(&file, row)?;
+        let (_folder, found, said) = call(&text, &[])?;
+        assert!(found == code && said.contains(expected), "{row} {found:?}: {said}");
+    }
+    Ok(())
+}
+
+/// A uniform bar of unit length, stiffness and mass: on the backbone `T = 3 + g/√(2E)`, so that `dT/dg = 1/√(2E)` at
+/// constant energy. All its modes are in resonance there: each harmonic that is taken makes the backbone nearer and the
+/// branches beside it more, so that few are taken.
+#[test]
+fn the_period_of_a_uniform_bar_changes_with_the_gap_as_its_closed_form_says() -> Outcome {
+    let bar = "[structure]\nkind = \"rod\"\nlength_m = 1.0\nelements = 100\nstart = \"clamped\"\n\
+        material = { youngs_modulus_pa = 1.0, density_kg_m3 = 1.0 }\nsection = { area_m2 = 1.0 }\n\
+        [[contact]]\nat_m = 1.0\ndirection = \"axial\"\nside = \"positive\"\ngap_m = 1.0\n\
+        [method]\nharmonics = 5\n[output]\npage = false\nfigures = false\n\
+        [continuation]\nmax_energy_ratio = 200.0\nstart_frequency_hz = 0.32\ndirection = \"up\"\n\
+        [[sensitivity]]\nkey = \"contact.0.gap_m\"\n";
+    let mut worst = Vec::new();
+    for harmonics in [1, 2, 5] {
+        let (folder, code, said) = call(bar, &[format!("method.harmonics={harmonics}")])?;
+        assert!(matches!(code, Some(0 | 1)), "{said}");
+        let all = rows(folder.path())?;
+        let length = |row: &HashMap<String, f64>| 1.0 / (2.0 * row["total_energy_j"]).sqrt();
+        let (mut of_period, mut of_gradient, mut seen) = (0.0_f64, 0.0_f64, 0);
+        for pair in all.windows(2) {
+            let [row, next] = [&pair[0], &pair[1]];
+            let (period, share) = (1.0 / row["frequency_hz"], length(row));
+            if !(3.05..3.2).contains(&period) {
+                continue;
+            }
+            // The gradient holds the averaged kinetic energy, the closed form all of it.
+            let ratio = |row: &HashMap<String, f64>| row["energy_j"] / row["total_energy_j"];
+            let bend = (ratio(next) / ratio(row)).ln() / (length(next) / share).ln();
+            let slope = -period * period * row["d_frequency_d_contact.0.gap_m"] / share * (1.0 - 0.5 * bend);
+            of_period = of_period.max((period / (3.0 + share) - 1.0).abs());
+            of_gradient = of_gradient.max((slope - 1.0).abs());
+            seen += 1;
+        }
+        assert!(seen > 2, "{seen}");
+        worst.push((of_period, of_gradient));
+    }
+    assert!(worst[0].0 > 5.0 * worst[2].0 && worst[0].1 > 3.0 * worst[2].1, "{worst:?}");
+    assert!(worst[2].0 < 2e-3 && worst[2].1 < 0.05, "{worst:?}");
+    Ok(())
+}
+
+/// A cubic spring at the tip, one of another power and a damper along the beam, beside both stops.
+const LAWS: &str = "[[spring]]\nat_m = 0.5\ndirection = \"transverse\"\nlaw = { polynomial = [50.0, 0.0, 4e8] }\n\
+    [[spring]]\nat_m = 0.25\ndirection = \"transverse\"\nlaw = { power = { stiffness = 2e5, exponent = 1.5 } }\n\
+    [[spring]]\nat_m = 0.375\ndirection = \"transverse\"\nlaw = { damper = { coefficient = 3.0, exponent = 2.0 } }\n";
+
+#[test]
+fn gradients_beside_springs_and_dampers_with_a_law_are_those_of_runs() -> Outcome {
+    let keys = [
+        ("spring.0.law.polynomial.2", 4e8),
+        ("spring.0.law.polynomial.0", 50.0),
+        ("spring.1.law.power.stiffness", 2e5),
+        ("spring.1.law.power.exponent", 1.5),
+        ("spring.2.law.damper.coefficient", 3.0),
+        ("contact.0.gap_mm", 1.0),
+        ("contact.0.stiffness_n_m", 2e4),
+        ("structure.section.height_mm", 6.0),
+        ("structure.mass_point.0.mass_kg", 0.05),
+        ("damping.ratio", 0.01),
+        ("force.0.amplitude_n", 8.0),
+    ];
+    let beam = BEAM.replace("[method]\n", &format!("{LAWS}[method]\n"));
+    let forced = format!("{beam}figures = false\npage = false\n{FORCE}");
+    let (_folder, base) = last_row(&with_keys(&forced, &keys), &[])?;
+    assert!(base["peak_contact_force_n"] > 0.0);
+    for (key, value) in keys {
+        let end = |factor: f64| last_row(&forced, &changed(key, value, factor, &[])).map(|(_, row)| row);
+        let (above, below) = (end(1.0 + OF_RESPONSE)?, end(1.0 - OF_RESPONSE)?);
+        for (name, of) in [
+            ("amplitude", "fundamental_m"),
+            ("peak", "peak_m"),
+            ("peak_force", "peak_contact_force_n"),
+            ("impulse", "impulse_ns"),
+        ] {
+            let difference = (above[of] - below[of]) / (2.0 * OF_RESPONSE * value);
+            let gradient = base[&format!("d_{name}_d_{key}")];
+            let error = (gradient - difference).abs() / difference.abs().max(1e-2 * base[of].abs() / value);
+            assert!(error < 5e-6, "{key}, {name}: {gradient} by gradient, {difference}, {error:.1e}");
+        }
+    }
+    // A mode ends at a multiple of the energy that is asked for at its start.
+    let mode = format!(
+        "{beam}figures = false\npage = false\n[continuation]\nstart_energy_j = 1e-4\nmax_energy_ratio = 1.01\n"
+    );
+    let keys = [keys[0], keys[2], keys[3], keys[7], keys[8]];
+    let (_folder, base) = last_row(&with_keys(&mode, &keys), &[])?;
+    for (key, value) in keys {
+        let end = |factor: f64| last_row(&mode, &changed(key, value, factor, &[])).map(|(_, row)| row);
+        let (above, below) = (end(1.0 + STEP)?, end(1.0 - STEP)?);
+        let difference = (above["frequency_hz"] - below["frequency_hz"]) / (2.0 * STEP * value);
+        let gradient = base[&format!("d_frequency_d_{key}")];
+        let error = (gradient - difference).abs() / difference.abs();
+        assert!(error < 5e-6, "{key}: {gradient} by gradient, {difference}, {error:.1e}");
+    }
+    Ok(())
+}

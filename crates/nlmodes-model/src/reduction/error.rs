@@ -155,6 +155,20 @@ pub enum ReductionError {
         /// Modes retained.
         retained: usize,
     },
+    /// A structure that was reduced elsewhere has no matrices to differentiate by.
+    #[error("of a structure that was reduced elsewhere only modes are known: it has no entries of stiffness and mass")]
+    ModesGiven,
+    /// Modes of one frequency, of which one is retained and another not.
+    #[error(
+        "mode {mode} has the frequency of one that is left out beside the {retained} retained ones, so that their \
+        derivatives have no bounds: retain one mode more or less"
+    )]
+    CutBetweenModes {
+        /// The mode, from 1.
+        mode: usize,
+        /// Modes retained.
+        retained: usize,
+    },
     /// The reduced equations make no structure.
     #[error("the reduced structure")]
     Model(#[from] ModelError),

@@ -2,5 +2,6 @@
 //! more.
 
 mod beams_and_springs;
+mod direction;
 mod few_digits;
 mod given;

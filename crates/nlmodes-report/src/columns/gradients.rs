@@ -61,9 +61,13 @@ impl GradientColumns {
 
     /// The cells of a point; empty where it has no derivatives.
     pub fn cells(&self, point: &ModalPoint) -> GradientCells {
-        let of = |parameter: &Arc<str>| point.gradients.iter().find(|gradient| gradient.parameter == *parameter);
-        let values = self.parameters.iter().flat_map(|parameter| {
-            let gradient: Option<&Gradient> = of(parameter);
+        // Those of a scene come in one order at all points.
+        let of = |k: usize, parameter: &Arc<str>| {
+            let there = point.gradients.get(k).filter(|gradient| gradient.parameter == *parameter);
+            there.or_else(|| point.gradients.iter().find(|gradient| gradient.parameter == *parameter))
+        };
+        let values = self.parameters.iter().enumerate().flat_map(|(k, parameter)| {
+            let gradient: Option<&Gradient> = of(k, parameter);
             self.known.iter().map(move |what| gradient.and_then(|gradient| gradient.of(*what)))
         });
         GradientCells { values: values.collect(), columns: self.clone() }

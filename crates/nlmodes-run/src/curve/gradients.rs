@@ -70,10 +70,27 @@ fn effect(pick: &Pick<'_>, gradient: &Gradient) -> f64 {
     gradient.of(pick.what).map_or(f64::NAN, |slope| slope * gradient.value / value(pick.point, pick.what))
 }
 
+/// Parameters that figures and the page show, those with the largest effects; tables have all.
+const SHOWN: usize = 40;
+
+/// The parameters that are shown of a point, in the order of the scene, and how many more there are.
+fn shown<'a>(pick: &Pick<'a>) -> (Vec<&'a Gradient>, usize) {
+    let all = &pick.point.gradients;
+    let size = |k: &usize| effect(pick, &all[*k]).abs();
+    let mut order: Vec<usize> = (0..all.len()).collect();
+    if all.len() > SHOWN {
+        order.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        order.truncate(SHOWN);
+        order.sort_unstable();
+    }
+    (order.iter().map(|k| &all[*k]).collect(), all.len() - order.len())
+}
+
 /// The figures, each with its title; none without parameters.
 pub fn figures(branch: &ModalBranch) -> Vec<(String, Figure)> {
     let figure = |pick: Pick<'_>| {
-        let bars = pick.point.gradients.iter().map(|own| (own.parameter.to_string(), effect(&pick, own)));
+        let (shown, _) = shown(&pick);
+        let bars = shown.into_iter().map(|own| (own.parameter.to_string(), effect(&pick, own)));
         let axis = format!("change of the {} in % for 1 % of the parameter", pick.what.words());
         let title = format!("Effect on the {}", pick.name);
         Some((title.clone(), TornadoFigure::new(axis, bars).title(title).render().ok()?))
@@ -86,7 +103,8 @@ pub fn table(branch: &ModalBranch) -> Option<DataTable> {
     let head = ["quantity", "its value", "parameter", "its value", "derivative", "% for 1 %"];
     let mut table = DataTable::new("Gradients by the parameters of the scene, in SI units per unit of the key", &head);
     for pick in picks(branch) {
-        for gradient in &pick.point.gradients {
+        let (shown, more) = shown(&pick);
+        for gradient in shown {
             table.rows.push(vec![
                 pick.name.clone(),
                 short(value(pick.point, pick.what)),
@@ -97,6 +115,10 @@ pub fn table(branch: &ModalBranch) -> Option<DataTable> {
                     .filter(|e| e.is_finite())
                     .map_or_else(|| "–".to_owned(), |e| format!("{e:.4}")),
             ]);
+        }
+        if more > 0 {
+            let rest = format!("and {more} parameters with smaller effects, in branch.csv");
+            table.rows.push([vec![pick.name.clone(), String::new(), rest], vec![String::new(); 3]].concat());
         }
     }
     (!table.rows.is_empty()).then_some(table)

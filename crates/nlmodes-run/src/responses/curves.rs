@@ -169,7 +169,8 @@ pub fn follow(
         wall_time: began.elapsed(),
     };
     let followed = model.with_drive(job.response).and_then(|system| {
-        let differentiated = gradients(model, scene, (job.response, job.level), &settings, &system)?;
+        let held = job.level.filter(|_| job.wanted.kind == ResponseKind::Frequency);
+        let differentiated = gradients(model, scene, (job.response, held), &settings, &system)?;
         let settings = settings.with_gradients(differentiated);
         let (curves, accuracy) = accurate(&system, scene, &job, &settings)?;
         let converter = Converter::new(model, &system, job.wanted.kind, job.wanted.subharmonic)?;
@@ -378,6 +379,24 @@ pub fn curves_at(
     let settings = ResponseSettings { watch, stability: false, finer: None, ..settings(model, scene, &job) };
     let found = over_frequency(&model.with_drive(response)?, scene, &job, &settings)?;
     Ok((settings, found.into_iter().map(|followed| followed.curve).collect()))
+}
+
+/// The curve of phase resonances of a response (number in the scene) up to a level, and the settings with which it is
+/// computed.
+///
+/// # Errors
+/// [`ResponseError`] where there is none.
+pub fn resonances_to(
+    model: &Model,
+    scene: &Scene,
+    (response, level): (usize, f64),
+    watch: Watch,
+) -> Result<(ResponseSettings, ResponseCurve), ResponseError> {
+    let job = jobs(scene).into_iter().find(|job| job.response == response);
+    let job = job.ok_or(ResponseError::Setting { what: "the level", value: level, expected: "one of the scene" })?;
+    let settings = ResponseSettings { watch, stability: false, finer: None, ..settings(model, scene, &job) };
+    let curve = phase_resonance(&model.with_drive(response)?, level, &settings)?;
+    Ok((settings, curve))
 }
 
 /// What is to be reported of a curve beside its end: branch points whose other half-branches are not there.

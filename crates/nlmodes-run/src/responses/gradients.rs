@@ -1,12 +1,12 @@
 //! The parameters by which the points of a response are differentiated.
 
 use nlmodes::response::{Gradients, ParameterState, ResponseError, ResponseModel, ResponseSettings, Weights};
-use nlmodes_scene::scene::{ResponseKind, Scene};
+use nlmodes_scene::scene::Scene;
 
 use super::model::{Model, Parameter};
 
-/// What the parameters of the scene do to the structure and the load of a response, at one of its levels where curves
-/// are at levels.
+/// What the parameters of the scene do to the structure and the load of a response, at one of its levels where its
+/// motions are at that; along others the level is no value of the scene.
 ///
 /// # Errors
 /// [`ResponseError`] where the modes at another value of a parameter are others.
@@ -20,12 +20,15 @@ pub fn gradients(
     if model.parameters.is_empty() {
         return Ok(Gradients::default());
     }
-    // Along other curves the level is no value of the scene.
-    let of_levels =
-        |scene: &Scene| scene.responses.get(response).filter(|r| r.kind == ResponseKind::Frequency).cloned();
-    let number = of_levels(scene).zip(level).and_then(|(own, level)| own.levels.iter().position(|l| *l == level));
-    let level_of = |scene: &Scene| number.and_then(|k| of_levels(scene)?.levels.get(k).copied()).unwrap_or(0.0);
+    let levels = |scene: &Scene| scene.responses.get(response).map(|own| own.levels.clone());
+    let number = level.and_then(|level| levels(scene)?.iter().position(|l| *l == level));
+    let level_of = |scene: &Scene| number.and_then(|k| levels(scene)?.get(k).copied()).unwrap_or(0.0);
+    let directions: Vec<_> = model.parameters.iter().filter_map(|parameter| parameter.direction.clone()).collect();
+    let mut along = system.changes_along(&directions, first(model).as_ref(), settings)?.into_iter();
     let change = |parameter: &Parameter| {
+        if let Some(change) = parameter.direction.as_ref().and_then(|_| along.next()) {
+            return Ok(change);
+        }
         let state = |(model, scene, weight): &(Model, Scene, f64)| {
             let (model, watched) = (model.with_drive(response)?, first(model));
             Ok(ParameterState { model, level: level_of(scene), watched, weight: *weight })
@@ -38,7 +41,7 @@ pub fn gradients(
     Ok(Gradients { watched, changes })
 }
 
-/// The same at a level of a response over the frequency.
+/// The same at a level of a response.
 ///
 /// # Errors
 /// As [`gradients`].

@@ -4,7 +4,7 @@ use nlmodes::hbm::{HbmError, PowerDamper};
 use nlmodes::linalg::triplets;
 use nlmodes::modal::{BranchEnd, Coordinate, EndReason, ModalBranch};
 use nlmodes::model::MassShift;
-use nlmodes::model::reduction::OpenModes;
+use nlmodes::model::reduction::{MatrixDirection, OpenModes};
 use nlmodes::response::{Dashpot, ResponseError, ResponseModel, Weights};
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::{OpenStructure, StaticState, Structures};
@@ -14,7 +14,7 @@ use super::damping::damping;
 use super::laws;
 use super::structure::{Reduced, base_motion, reduced};
 use crate::curve::stress::Stress;
-use crate::gradients::with_modes;
+use crate::gradients::{direction as direction_of, with_modes};
 use crate::physical::of_dofs;
 use crate::sliding::Tangents;
 use crate::{RunError, chain, refusal};
@@ -69,6 +69,8 @@ pub struct Parameter {
     pub sensitivity: Sensitivity,
     /// The model and its scene at other values, with their weights in the difference quotient.
     pub states: Vec<(Model, Scene, f64)>,
+    /// What it does to the matrices, where it changes entries of these.
+    pub direction: Option<MatrixDirection>,
 }
 
 impl Model {
@@ -168,7 +170,7 @@ impl Model {
         let contact_coordinates: Vec<Option<usize>> =
             contacts.iter().map(|weights| coordinate(weights, recorded)).collect();
         let model = Self {
-            parameters: parameters(file, parts.open.n_modes(), structures)?,
+            parameters: parameters(file, (parts.open.n_modes(), parts.reduction.as_ref()), structures)?,
             gaps: [drawn_gaps(&parts), law_gaps].concat(),
             moved: parts.state.as_ref().map(|state| of_dofs(state, &parts.recorded)).unwrap_or_default(),
             state: parts.state.clone(),
@@ -250,7 +252,11 @@ impl Model {
 }
 
 /// The models at other values of the parameters of a scene, with as many modes.
-fn parameters(file: &SceneFile, modes: usize, structures: &Structures) -> Result<Vec<Parameter>, RunError> {
+fn parameters(
+    file: &SceneFile,
+    (modes, open): (usize, Option<&OpenStructure>),
+    structures: &Structures,
+) -> Result<Vec<Parameter>, RunError> {
     let state = |number: usize, state: &SceneState| {
         let scene = with_modes(&state.scene, modes);
         let model = Model::sharing(&SceneFile::without_text(scene, ""), structures).map_err(|error| {
@@ -260,7 +266,10 @@ fn parameters(file: &SceneFile, modes: usize, structures: &Structures) -> Result
     };
     let of = |(number, sensitivity): (usize, &Sensitivity)| {
         let states = sensitivity.states.iter().map(|one| state(number, one)).collect::<Result<_, RunError>>()?;
-        Ok(Parameter { sensitivity: sensitivity.clone(), states })
+        let direction = open.filter(|_| !sensitivity.entries.is_empty());
+        let direction = direction.map(|open| direction_of(&file.scene, open, sensitivity)).transpose();
+        let direction = direction.map_err(|why| file.error_at("sensitivity", &why, "here", &[]))?;
+        Ok(Parameter { sensitivity: sensitivity.clone(), states, direction })
     };
     file.scene.sensitivities.iter().enumerate().map(of).collect()
 }

@@ -1,21 +1,57 @@
 //! Parameters by which curves are differentiated: which there can be.
 
+use std::collections::HashMap;
+use std::path::Path;
+
+use nlmodes_io::read_parameter_entries;
+
 use crate::raw::{RawAnalysis, RawSensitivity};
-use crate::scene::{Scene, Sensitivity};
+use crate::scene::{Scene, SceneStructure, Sensitivity, StaticLoads};
 use crate::{Diagnostic, Diagnostics, Document};
 
 /// Tables that enter the structure or its load.
-const TABLES: [&str; 8] =
-    ["structure", "contact", "damping", "force", "base_motion", "gravity", "static_force", "thermal"];
+const TABLES: [&str; 9] =
+    ["structure", "contact", "spring", "damping", "force", "base_motion", "gravity", "static_force", "thermal"];
 
-/// The parameters that are sound; their values and states come when the scene is there.
-pub fn check(raw: &RawAnalysis, diagnostics: &mut Diagnostics<'_>) -> Vec<Sensitivity> {
+/// The parameters that are sound, their files below `base`; their values and states come when the scene is there.
+pub fn check(raw: &RawAnalysis, base: &Path, diagnostics: &mut Diagnostics<'_>) -> Vec<Sensitivity> {
     let written = raw.sensitivity.iter().flatten().enumerate();
-    written.filter_map(|(k, raw)| parameter(k, raw, diagnostics)).collect()
+    let one = |(k, raw): (usize, &RawSensitivity)| match (&raw.key, &raw.entries) {
+        (Some(key), None) => parameter(k, key, diagnostics).into_iter().collect(),
+        (None, Some(file)) => of_entries(k, &base.join(file), diagnostics),
+        _ => {
+            let diagnostic = Diagnostic::error("a parameter is a number of the scene or changes entries of matrices");
+            diagnostics.put(&format!("sensitivity.{k}"), diagnostic, "expected `key` or `entries`");
+            Vec::new()
+        }
+    };
+    written.flat_map(one).collect()
 }
 
-fn parameter(k: usize, raw: &RawSensitivity, diagnostics: &mut Diagnostics<'_>) -> Option<Sensitivity> {
-    let (key, path) = (raw.key.as_str(), format!("sensitivity.{k}.key"));
+/// The parameters of a table of entries, in the order in which they first come.
+fn of_entries(k: usize, file: &Path, diagnostics: &mut Diagnostics<'_>) -> Vec<Sensitivity> {
+    let entries = match read_parameter_entries(file) {
+        Ok(entries) => entries,
+        Err(error) => {
+            let path = format!("sensitivity.{k}.entries");
+            diagnostics.put(&path, Diagnostic::error(error.to_string()), "expected a table of entries");
+            return Vec::new();
+        }
+    };
+    let (mut all, mut number) = (Vec::<Sensitivity>::new(), HashMap::new());
+    for entry in entries {
+        let at = *number.entry(entry.parameter.clone()).or_insert_with(|| {
+            let key = entry.parameter.clone();
+            all.push(Sensitivity { key, value: 1.0, states: Vec::new(), entries: Vec::new() });
+            all.len() - 1
+        });
+        all[at].entries.push(entry);
+    }
+    all
+}
+
+fn parameter(k: usize, key: &str, diagnostics: &mut Diagnostics<'_>) -> Option<Sensitivity> {
+    let path = format!("sensitivity.{k}.key");
     let table = key.split('.').next().unwrap_or_default();
     let is_level = key.starts_with("response.") && key.contains(".levels_");
     if !(TABLES.contains(&table) || is_level || key.starts_with("response.levels_")) {
@@ -46,7 +82,7 @@ fn parameter(k: usize, raw: &RawSensitivity, diagnostics: &mut Diagnostics<'_>) 
         diagnostics.put(&path, diagnostic.help(help), "expected a parameter that is not zero");
         return None;
     }
-    Some(Sensitivity { key: key.to_owned(), value, states: Vec::new() })
+    Some(Sensitivity { key: key.to_owned(), value, states: Vec::new(), entries: Vec::new() })
 }
 
 /// The path of the value of a key: with another unit, and that of the only response is a list too.
@@ -61,7 +97,7 @@ fn listed(key: &str) -> Option<String> {
     key.strip_prefix("response.").map(|rest| format!("response.0.{rest}"))
 }
 
-/// Refuses what has no gradients: scenes that are not in free-interface modes, laws of force, exact motions.
+/// Refuses what has no gradients: scenes that are not in free-interface modes, stops with a law of force, exact motions.
 pub fn refuse(scene: &Scene, diagnostics: &mut Diagnostics<'_>) {
     if scene.sensitivities.is_empty() {
         return;
@@ -77,9 +113,9 @@ pub fn refuse(scene: &Scene, diagnostics: &mut Diagnostics<'_>) {
     } else if scene.method.kind == crate::scene::MethodKind::Shooting {
         let title = "gradients are computed of motions in harmonics, not by shooting";
         refused(title, "method.kind = \"ms-hbm\" computes the same mode", "expected another method", diagnostics);
-    } else if scene.has_laws() {
-        let title = "gradients are not computed beside springs, dampers and stops with a law of force";
-        refused(title, "[[structure.spring]] are linear", "expected a scene without [[spring]]", diagnostics);
+    } else if scene.contacts.iter().any(|contact| contact.hertz.is_some()) {
+        let title = "gradients are not computed beside stops with a law of force";
+        refused(title, "`stiffness_n_m` makes a stop linear", "expected stops without a law of force", diagnostics);
     } else if scene.updating.is_some() {
         let title = "gradients are not computed of parameters that are fitted first";
         refused(
@@ -88,6 +124,19 @@ pub fn refuse(scene: &Scene, diagnostics: &mut Diagnostics<'_>) {
             "expected a scene without [updating]",
             diagnostics,
         );
+    } else if scene.sensitivities.iter().any(|own| !own.entries.is_empty()) {
+        let (title, help) = match &scene.structure {
+            SceneStructure::Matrices(_) if scene.static_loads == StaticLoads::default() => return,
+            SceneStructure::Matrices(_) => (
+                "by entries of stiffness and mass nothing is differentiated beside static loads",
+                "the place at rest moves with them; a parameter of the scene may change it",
+            ),
+            _ => (
+                "only a structure from files has entries of stiffness and mass",
+                "parameters of rods and beams are keys of the scene: `key = \"structure.section.height_m\"`",
+            ),
+        };
+        refused(title, help, "expected a structure from files, kind = \"matrices\"", diagnostics);
     }
 }
 

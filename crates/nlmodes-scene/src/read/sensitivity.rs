@@ -12,7 +12,7 @@ use crate::{Diagnostic, SceneError, SceneFile};
 /// [`SceneError`] at the parameter with which the scene is none.
 pub fn add_states(text: &Text<'_>, given: &[String], method: usize, file: &mut SceneFile) -> Result<(), SceneError> {
     let mut sensitivities = file.scene.sensitivities.clone();
-    for (number, sensitivity) in sensitivities.iter_mut().enumerate() {
+    for (number, sensitivity) in sensitivities.iter_mut().enumerate().filter(|(_, own)| own.entries.is_empty()) {
         for (times, weight) in QUOTIENT {
             let step = STEP * times;
             let more = overrides(sensitivity, 1.0 + step, &file.document);

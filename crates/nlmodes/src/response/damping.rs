@@ -29,6 +29,19 @@ pub struct Dashpot {
 }
 
 impl Damping {
+    /// Derivative of what damps a mode by its `ω²`, `dĉ/dω²` (s), where it is a function of that; none of damping that
+    /// couples modes.
+    pub(crate) fn slope(&self, mode: usize, omega_squared: f64) -> Option<f64> {
+        match self {
+            Self::Ratios(ratios) => {
+                let ratio = ratios.get(mode).or(ratios.last()).copied().unwrap_or(0.0);
+                Some(if omega_squared > 0.0 { ratio / omega_squared.sqrt() } else { 0.0 })
+            }
+            Self::Rayleigh { stiffness, .. } => Some(*stiffness),
+            Self::Coupled(_) => None,
+        }
+    }
+
     pub(crate) fn modal(&self, omega_squared: &[f64]) -> ModalDamping {
         match self {
             Self::Ratios(ratios) => ModalDamping::ratios(omega_squared, ratios),

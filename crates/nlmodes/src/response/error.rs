@@ -18,6 +18,12 @@ pub enum ResponseError {
         /// What is expected.
         expected: &'static str,
     },
+    /// Entries of matrices beside something that depends on them in another way than the structure does.
+    #[error("by entries of stiffness and mass nothing is differentiated beside {what}")]
+    DirectionBeside {
+        /// What it is.
+        what: &'static str,
+    },
     /// A degree of freedom does not exist.
     #[error("there is no degree of freedom {found}: the structure has {available}")]
     NoSuchDof {

@@ -40,6 +40,8 @@ pub struct ResponseModel {
     drive: Option<Weights>,
     laws: Vec<LawAt>,
     mode_start: ModeStart,
+    damping: Damping,
+    dashpots: Vec<Dashpot>,
 }
 
 /// A law at its place.
@@ -67,6 +69,8 @@ impl ResponseModel {
             drive: None,
             laws: Vec::new(),
             mode_start: ModeStart::default(),
+            damping: damping.clone(),
+            dashpots: Vec::new(),
         })
     }
 
@@ -87,6 +91,7 @@ impl ResponseModel {
         }
         let damping = self.structure.damping().clone().with_dashpots(&rows);
         self.structure = self.structure.with_damping(damping)?;
+        self.dashpots.extend_from_slice(dashpots);
         Ok(())
     }
 
@@ -341,6 +346,11 @@ impl ResponseModel {
         rows.pop().ok_or(ResponseError::NoSuchDof { found: dof, available: 0 })
     }
 
+    /// Damping of the modes, and the dashpots beside it.
+    pub(crate) fn damping(&self) -> (&Damping, &[Dashpot]) {
+        (&self.damping, &self.dashpots)
+    }
+
     pub(crate) fn drive_weights(&self) -> Option<&Weights> {
         self.drive.as_ref()
     }
@@ -409,7 +419,7 @@ impl ResponseModel {
         self.laws.get(law).map(|law| &law.weights)
     }
 
-    fn shape_at(&self, weights: &Weights) -> Vec<f64> {
+    pub(crate) fn shape_at(&self, weights: &Weights) -> Vec<f64> {
         let at = |k: usize| weights.iter().map(|&(dof, w)| w * self.open.shapes()[(dof, k)]).sum();
         self.padded((0..self.open.n_modes()).map(at).collect())
     }
