@@ -1,4 +1,4 @@
-//! `nlmodes-cli follow`: a fold, a first touch or a mode at an energy over a parameter.
+//! `nlmodes-cli follow`: a fold, a first touch, a phase resonance or a mode at an energy over a parameter.
 
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -50,6 +50,8 @@ enum What {
     Fold,
     /// Where a response over the frequency first touches a stop
     Touch,
+    /// The phase resonance at a level
+    Resonance,
     /// The mode at an energy
     Mode,
 }
@@ -60,6 +62,7 @@ pub fn run(arguments: &Arguments) -> Status {
     let wanted = match arguments.of {
         What::Fold => Wanted::Folds { level },
         What::Touch => Wanted::Touches { level },
+        What::Resonance => Wanted::Resonance { level },
         What::Mode => Wanted::Mode { energy_j },
     };
     let (key, window) = (arguments.over.clone(), [arguments.from, arguments.to]);

@@ -1,6 +1,7 @@
-//! A fold, a first touch, or a mode at an energy, followed over a parameter of a scene: the jump frequency over a gap.
+//! A fold, a first touch, a phase resonance or a mode at an energy, followed over a parameter of a scene: the jump
+//! frequency over a gap.
 //!
-//! The scene is computed first, in memory: each fold of its response, each first touch, or the mode at the energy is
+//! The scene is computed first, in memory: each fold of its response, each first touch, the resonance or the mode is
 //! then followed by two-parameter continuation, both ways from the value of the scene.
 
 mod error;
@@ -35,6 +36,11 @@ pub enum Wanted {
     /// Where a response over the frequency first touches a stop.
     Touches {
         /// Its level, in the unit of the load; none for the only one.
+        level: Option<f64>,
+    },
+    /// The phase resonance at a level.
+    Resonance {
+        /// The level, in the unit of the load; none for the only one.
         level: Option<f64>,
     },
     /// The mode at an averaged kinetic energy.
@@ -167,8 +173,23 @@ pub fn follow(
     settings: &FollowSettings,
     watch: &Watch,
 ) -> Result<FollowOutcome, FollowError> {
+    let text =
+        std::fs::read_to_string(path).map_err(|source| FollowError::Unreadable { path: path.to_path_buf(), source })?;
+    follow_text((&path.display().to_string(), &text), overrides, settings, watch)
+}
+
+/// The same of a scene as text; its name stands in messages, and paths of its files count from the directory of that.
+///
+/// # Errors
+/// [`FollowError`].
+pub fn follow_text(
+    scene: (&str, &str),
+    overrides: &[String],
+    settings: &FollowSettings,
+    watch: &Watch,
+) -> Result<FollowOutcome, FollowError> {
     let structures = Structures::default();
-    let texts = Texts::read(path, overrides, settings)?;
+    let texts = Texts::of(scene, overrides, settings)?;
     let curves = match settings.wanted {
         Wanted::Mode { energy_j } => mode::follow(&texts, settings, energy_j, (&structures, watch))?,
         _ => response::follow(&texts, settings, (&structures, watch))?,

@@ -281,6 +281,70 @@ fn a_mode_at_an_energy_over_gap_and_stiffness_is_the_closed_form_of_sdnd122() ->
     Ok(())
 }
 
+/// Gradients at the points of a branch, by gap and stiffness of the stop and by the frequency of the structure.
+#[test]
+fn gradients_of_sdnd122_are_those_of_its_closed_form() -> Outcome {
+    let keys = ["contact.0.gap_m", "contact.0.stiffness_n_m", "structure.frequencies_hz.0"];
+    let asked: String = keys.iter().map(|key| format!("[[sensitivity]]\nkey = \"{key}\"\n")).collect();
+    let more = "[continuation]\nmax_energy_ratio = 12.0\n[output]\nstability = \"never\"\nfigures = false\n\
+        page = false\n";
+    let scene = oscillator(300, &(more.to_owned() + &asked));
+    let (folder, code, _, told) = call(&scene, &["run", "scene.toml", "--quiet"])?;
+    assert_eq!(code, Some(0), "{told}");
+    let (mut seen, frequency) = (0, 10f64.sqrt() / TAU);
+    // Next to the first touch the motion bends ever faster, and each digit takes more harmonics.
+    for row in rows(&folder.path().join("out/branch.csv"))?.iter().filter(|row| row["energy_j"] > 5e-4) {
+        let energy = row["energy_j"];
+        let of: [(f64, &dyn Fn(f64) -> f64); 3] = [
+            (0.01, &|gap| at_kinetic(gap, 50.0, energy)),
+            (50.0, &|stop| at_kinetic(0.01, stop, energy)),
+            // Other stiffness: the same motion in another unit of force.
+            (frequency, &|hz| {
+                let times = (hz / frequency).powi(2);
+                times.sqrt() * at_kinetic(0.01, 50.0 / times, energy / times)
+            }),
+        ];
+        for (key, (value, at)) in keys.iter().zip(of) {
+            let h = 2e-3 * value;
+            let slope =
+                (8.0 * (at(value + h) - at(value - h)) - (at(value + 2.0 * h) - at(value - 2.0 * h))) / (12.0 * h);
+            let error = (row[&format!("d_frequency_d_{key}")] / slope - 1.0).abs();
+            assert!(error < 1e-9, "{key} at {energy} J: {error:.1e}");
+        }
+        seen += 1;
+    }
+    assert!(seen > 5, "{seen}");
+    Ok(())
+}
+
+#[test]
+fn phase_resonances_over_gap_level_and_modulus_are_those_of_single_runs() -> Outcome {
+    // Up to where the second stop is met the level grows along the curve.
+    let text = BEAM.replace("kind = \"frequency\"", "kind = \"phase-resonance\"");
+    let text = text.replace("[12.0, 26.0]\nlevels_n = [12.0]", "[12.0, 40.0]\nlevels_n = [2.0]");
+    for (key, from, to) in [
+        ("contact.0.gap_mm", "0.9", "1.1"),
+        ("response.levels_n.0", "1.6", "2.4"),
+        ("structure.material.youngs_modulus_gpa", "205", "215"),
+        ("damping.ratio", "0.008", "0.012"),
+    ] {
+        let (curves, said) = followed(&text, &["--of", "resonance", "--over", key, "--from", from, "--to", to])?;
+        assert_eq!(curves.len(), 1, "{said}");
+        let [first, last] = [&curves[0][0], &curves[0][curves[0].len() - 1]];
+        for (row, value) in [(first, from), (last, to)] {
+            let set = key.replace("response.levels", "response.0.levels");
+            let found = of_run(&text, &format!("{set}={value}"), "")?;
+            let other = found.last().ok_or("no point")?;
+            assert!((row["value"] - value.parse::<f64>()?).abs() < 1e-9 * row["value"], "{said}");
+            for name in ["frequency_hz", "peak_m", "peak_contact_force_n", "impulse_ns"] {
+                let off = (row[name] / other[name] - 1.0).abs();
+                assert!(off < 1e-8, "{key} = {value}, {name}: {off:.1e} of {}", row[name]);
+            }
+        }
+    }
+    Ok(())
+}
+
 #[test]
 fn first_touch_of_one_mass_is_where_its_linear_response_is_the_gap() -> Outcome {
     let more = "[damping]\nratio = 0.02\n[[force]]\nrow = 1\n\
@@ -300,7 +364,7 @@ fn first_touch_of_one_mass_is_where_its_linear_response_is_the_gap() -> Outcome 
 
 #[test]
 fn what_cannot_be_followed_is_said() -> Outcome {
-    let cases: [(&[&str], i32, &str); 6] = [
+    let cases: [(&[&str], i32, &str); 7] = [
         (&["--over", "contact.0.gap_m", "--from", "2e-3", "--to", "3e-3"], 2, "outside of 0.002 to 0.003"),
         (&["--over", "contact.7.gap_m", "--from", "0.0", "--to", "3e-3"], 2, "does not write `contact.7.gap_m`"),
         (&["--over", "method.harmonics", "--from", "1", "--to", "9"], 2, "is no parameter of the structure"),
@@ -315,6 +379,7 @@ fn what_cannot_be_followed_is_said() -> Outcome {
             "has responses",
         ),
         (&["--of", "mode", "--over", "contact.0.gap_m", "--from", "0", "--to", "1"], 2, "--energy-j"),
+        (&["--of", "resonance", "--over", "contact.0.gap_m", "--from", "0", "--to", "1"], 2, "no phase resonance"),
     ];
     for (arguments, status, expected) in cases {
         let (_folder, code, _, told) = call(ROD, &[&["follow", "scene.toml"], arguments].concat())?;

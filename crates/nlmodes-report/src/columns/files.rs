@@ -134,8 +134,8 @@ pub const FILES: [FileMeaning; 29] = [
     },
     FileMeaning {
         name: "follow.csv",
-        meaning: "Of `nlmodes-cli follow`: folds, first touches or a mode at an energy over a parameter, a row a \
-        point; \
+        meaning: "Of `nlmodes-cli follow`: folds, first touches, a phase resonance or a mode at an energy over a \
+            parameter, a row a point; \
             `follow.json` has the key, and why each curve ends, `follow_….svg` are its figures",
         columns: &[FollowRow::COLUMNS],
     },

@@ -1,7 +1,5 @@
 //! A scene over one of its parameters.
 
-use std::path::Path;
-
 use nlmodes_scene::{SceneFile, overrides_at, parse};
 
 use super::{FollowError, FollowSettings};
@@ -18,11 +16,13 @@ pub struct Texts {
 }
 
 impl Texts {
-    /// Reads and checks the scene.
-    pub fn read(path: &Path, overrides: &[String], settings: &FollowSettings) -> Result<Self, FollowError> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| FollowError::Unreadable { path: path.to_path_buf(), source })?;
-        let name = path.display().to_string();
+    /// Checks the scene of this name and text.
+    pub fn of(
+        (name, text): (&str, &str),
+        overrides: &[String],
+        settings: &FollowSettings,
+    ) -> Result<Self, FollowError> {
+        let (name, text) = (name.to_owned(), text.to_owned());
         let own = parse(&name, &text, overrides)?;
         let position = own.scene.sensitivities.iter().position(|own| own.key == settings.key);
         let text = match position {

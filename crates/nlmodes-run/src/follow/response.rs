@@ -1,4 +1,4 @@
-//! Folds and first touches of responses over a parameter.
+//! Folds, first touches and phase resonances over a parameter.
 
 use std::f64::consts::TAU;
 
@@ -13,21 +13,31 @@ use super::family::Texts;
 use super::{FollowError, FollowSettings, Followed, Wanted};
 use crate::chain;
 use crate::gradients::with_modes;
-use crate::responses::{Model, curves_at, gradients_at};
+use crate::responses::{Model, curves_at, gradients_at, resonances_to};
 
-/// Follows each fold, or first touch, of the response at the level.
+/// Follows each fold, or first touch, of the response at the level, or its phase resonance.
 pub fn follow(
     texts: &Texts,
     settings: &FollowSettings,
     (structures, watch): (&Structures, &Watch),
 ) -> Result<Vec<Followed>, FollowError> {
     let scene = &texts.base.scene;
-    let (Wanted::Folds { level } | Wanted::Touches { level }) = settings.wanted else { return Ok(Vec::new()) };
-    let place = place(scene, level)?;
+    let (kind, level) = match settings.wanted {
+        Wanted::Folds { level } | Wanted::Touches { level } => (ResponseKind::Frequency, level),
+        Wanted::Resonance { level } => (ResponseKind::PhaseResonance, level),
+        Wanted::Mode { .. } => return Ok(Vec::new()),
+    };
+    let place = place(scene, kind, level)?;
     let model = Model::sharing(&texts.base, structures)?;
     let modes = model.response().open_modes().n_modes();
     let own_level = scene.responses[place.0].levels[place.1];
-    let (response, curves) = curves_at(&model, scene, (place.0, own_level), watch.clone())?;
+    let (response, curves) = match kind {
+        ResponseKind::PhaseResonance => {
+            let (response, curve) = resonances_to(&model, scene, (place.0, own_level), watch.clone())?;
+            (response, vec![curve])
+        }
+        _ => curves_at(&model, scene, (place.0, own_level), watch.clone())?,
+    };
     let mut family = |value: f64| -> Result<AtValue, String> {
         let mut there = texts.at(value)?;
         there.scene = with_modes(&there.scene, modes);
@@ -58,6 +68,18 @@ pub fn follow(
                 all.push(Followed::new(format!("fold at {} Hz", hertz(point)), &curve, subharmonic));
             }
         }
+        Wanted::Resonance { .. } => {
+            let is_there = |point: &&ResponsePoint| (point.motion.at.level / own_level - 1.0).abs() < SAME_LEVEL;
+            let last = curves.first().and_then(|curve| curve.points.last());
+            let Some(point) = last.filter(is_there) else {
+                let why = curves.first().map_or("", |curve| curve.end.message.as_str());
+                let level = number(own_level);
+                return Err(FollowError::NoCurve(format!("the phase resonance never has the level {level}: {why}")));
+            };
+            let curve = over.resonance(point)?;
+            let name = format!("phase resonance at level {}", number(own_level));
+            all.push(Followed::new(name, &curve, subharmonic));
+        }
         _ => {
             for point in points(Event::ContactChange) {
                 if all.iter().any(|known| known.passes(texts.value(), point.omega / TAU)) {
@@ -76,20 +98,26 @@ pub fn follow(
     Ok(all)
 }
 
+/// Relative difference of levels that are the same.
+const SAME_LEVEL: f64 = 1e-6;
+
 fn hertz(point: &ResponsePoint) -> String {
     number(nlmodes_scene::rounded(point.omega / TAU, 8))
 }
 
-/// Number of the response over the frequency and of the level in its list.
-fn place(scene: &Scene, level: Option<f64>) -> Result<(usize, usize), FollowError> {
-    let over = scene.responses.iter().enumerate().filter(|(_, own)| own.kind == ResponseKind::Frequency);
+/// Number of the response of this kind and of the level in its list.
+fn place(scene: &Scene, kind: ResponseKind, level: Option<f64>) -> Result<(usize, usize), FollowError> {
+    let over = scene.responses.iter().enumerate().filter(|(_, own)| own.kind == kind);
     let all: Vec<(usize, usize, f64)> =
         over.flat_map(|(k, own)| own.levels.iter().enumerate().map(move |(l, level)| (k, l, *level))).collect();
     let levels = || all.iter().map(|own| number(own.2)).collect::<Vec<_>>().join(", ");
     let found = match (level, all.as_slice()) {
         (_, []) => {
-            let why = "the scene has no response over the frequency, [response] kind = \"frequency\"";
-            return Err(FollowError::NoCurve(why.to_owned()));
+            let why = match kind {
+                ResponseKind::PhaseResonance => "no phase resonance, [response] kind = \"phase-resonance\"",
+                _ => "no response over the frequency, [response] kind = \"frequency\"",
+            };
+            return Err(FollowError::NoCurve(format!("the scene has {why}")));
         }
         (None, [only]) => Some(only),
         (None, _) => {

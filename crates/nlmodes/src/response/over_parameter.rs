@@ -1,4 +1,4 @@
-//! A fold, a first touch or a motion at a given energy, followed over a parameter of the structure or its load.
+//! A fold, a first touch, a phase resonance or a motion at a given energy, followed over a parameter of the structure or its load.
 //!
 //! ```text
 //! R(x, s; q) = 0 ,   g(x, s; q) = 0         unknowns x and the frequency s, parameter q; of a mode R(x; q) = 0 alone
@@ -127,6 +127,25 @@ impl OverParameter<'_> {
         let found = crate::response::follow::newton(&mut system, &x, 0.0).ok_or_else(|| ResponseError::AtValue {
             value: self.value,
             why: format!("the mode at {energy:.6e} J is not found from that at {:.6e} J", at.kinetic_energy),
+        })?;
+        self.both_ways(problem, Condition::None, (found, 0.0))
+    }
+
+    /// The phase resonance at the level of the structure, beginning near `at`.
+    ///
+    /// # Errors
+    /// As [`fold`](Self::fold).
+    pub fn resonance(&mut self, at: &ResponsePoint) -> Result<ParameterCurve, ResponseError> {
+        let own = self.own()?;
+        let problem = Problem::Resonance { scales: scales(own.model.structure(), at.motion.at.omega) };
+        let solver = solver_by_name(&self.settings.contact_solver).map_err(HbmError::Compliance)?;
+        let mut system = problem.system(&own, self.settings, solver.as_ref(), &Condition::None)?;
+        let mut x = at.coefficients_for(&system);
+        // The frequency in its own unit.
+        x.push(1.0);
+        let found = crate::response::follow::newton(&mut system, &x, 0.0).ok_or_else(|| ResponseError::AtValue {
+            value: self.value,
+            why: "the phase resonance is not found again".to_owned(),
         })?;
         self.both_ways(problem, Condition::None, (found, 0.0))
     }

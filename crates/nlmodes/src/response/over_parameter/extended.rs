@@ -14,7 +14,7 @@ use crate::response::{ResponseError, ResponseSettings};
 /// What a motion has to be beside a solution.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Condition {
-    /// Nothing: of a mode at a given energy.
+    /// Nothing: of a mode at a given energy, or a phase resonance at a given level.
     None,
     /// A fold of a response over the frequency.
     Fold(Border),
@@ -34,6 +34,11 @@ pub enum Problem {
         scales: Scales,
         /// Unit of the frequency.
         unit: f64,
+    },
+    /// A phase resonance at the level of the structure, with the lag of the settings.
+    Resonance {
+        /// Units of its unknowns.
+        scales: Scales,
     },
     /// A conservative mode at the energy of its unit.
     Mode {
@@ -74,6 +79,11 @@ impl Problem {
                 let load = at.model.load(settings)?;
                 PeriodicSystem::frequency_response(structure, load, at.level, unit, periodic, scales, solver)?
             }
+            Self::Resonance { scales } => {
+                let load = at.model.load(settings)?;
+                let drive = at.model.drive(settings)?.ok_or(ResponseError::NoDrive)?;
+                PeriodicSystem::phase_resonance(structure, load, drive, at.level, periodic, scales, solver)?
+            }
             Self::Mode { scales, symmetry } => {
                 PeriodicSystem::conservative_mode(structure, symmetry, periodic, scales, solver)?
             }
@@ -83,7 +93,7 @@ impl Problem {
     /// Unit of lengths, m.
     pub fn length(&self) -> f64 {
         match self {
-            Self::Response { scales, .. } | Self::Mode { scales, .. } => scales.length,
+            Self::Response { scales, .. } | Self::Resonance { scales } | Self::Mode { scales, .. } => scales.length,
         }
     }
 
@@ -278,7 +288,7 @@ impl ParametricSystem for Extended<'_, '_> {
             Condition::Touch { contact } => Some(self.touch((x, s, value), contact)?),
         };
         self.pattern = pattern;
-        // Of a mode the energy is held: there is no column of its own parameter.
+        // Of a mode the energy is held, of a phase resonance the level: there is no column of its own parameter.
         let columns = if last.is_some() { n + 1 } else { n };
         out.residual[..n].copy_from_slice(&own.residual);
         for j in 0..columns {
