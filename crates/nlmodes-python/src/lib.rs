@@ -7,6 +7,7 @@
 //! | `check`, `linear_frequencies`, `schema`, `columns` | what is known before that |
 //! | `command` | the command line |
 //! | `verify` | one period of the full structure from a computed point |
+//! | `follow` | a fold, a first touch or a mode over a parameter |
 //! | `Series` | contact problems |
 //! | `trace` | branches of `R(x, p) = 0` with functions of Python |
 //! | `Study` | many cases of a scene, and the table of what there is |
@@ -21,6 +22,7 @@ mod contact;
 mod continuation;
 mod errors;
 mod experiment;
+mod follow;
 mod law;
 mod looking;
 mod run;
@@ -41,6 +43,8 @@ mod _native {
     use crate::continuation::trace;
     #[pymodule_export]
     use crate::experiment::extract;
+    #[pymodule_export]
+    use crate::follow::follow;
     #[pymodule_export]
     use crate::run::{Outcome, run};
     #[pymodule_export]

@@ -10,7 +10,7 @@ use std::time::Duration;
 use nlmodes_scene::SceneError;
 use nlmodes_scene::memory::Limit;
 use nlmodes_study::{
-    Collected, Counts, Evaluator, Settings, Shard, StudyError, StudyFile, StudyObserver, StudyProgress,
+    Collected, Counts, Evaluator, FitError, Settings, Shard, StudyError, StudyFile, StudyObserver, StudyProgress,
 };
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -142,6 +142,29 @@ impl Study {
     fn status<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let found = errors::computed(py, || nlmodes_study::status(&self.study, jobs(None)))?;
         counts(py, &found)
+    }
+
+    /// Fits the variables to the measured points and writes what was found: its `fit.json`, and `fit.csv` beside it.
+    fn fit(&self, py: Python<'_>, memory_limit: Option<&str>) -> PyResult<(String, PathBuf)> {
+        let wrong = |reason: String| PyValueError::new_err(format!("memory_limit: {reason}"));
+        let memory_limit = memory_limit.map(str::parse::<Limit>).transpose().map_err(wrong)?;
+        let settings = Settings { memory_limit, ..Settings::default() };
+        let mut onlooker = Onlooker(Looking::new(None));
+        let found = errors::computed(py, || nlmodes_study::fit(&self.study, &settings, &mut onlooker))?;
+        let Onlooker(looking) = onlooker;
+        looking.look();
+        if let Some(error) = looking.raised() {
+            return Err(error);
+        }
+        let found = found.map_err(|error| match &error {
+            FitError::Study(error) => raise(py, error),
+            FitError::NothingMeasured | FitError::Few { .. } | FitError::Start { .. } => {
+                errors::scene_error(py, &nlmodes_run::chain(&error))
+            }
+            _ => errors::run_error(py, &nlmodes_run::chain(&error)),
+        })?;
+        found.write(&self.study).map_err(|error| raise(py, &error))?;
+        Ok((serde_json::to_string(&found).unwrap_or_default(), self.study.directory.join("fit.csv")))
     }
 
     /// The case with these values, as an object of JSON: its answer, as one.

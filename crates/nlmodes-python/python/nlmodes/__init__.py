@@ -14,6 +14,8 @@
 :class:`Structure`                stiffness and mass matrices with contacts
 :class:`ReducedStructure`         frequencies, rows and flexibility from elsewhere, with contacts
 :class:`Study`                    a quantity over parameters, from many branches
+:func:`fit`                       the variables of a study from measured points
+:func:`follow`                    a fold, a first touch or a mode over a parameter
 :func:`verify`                    one period of the full structure from a computed point
 :mod:`nlmodes.contact`            complementarity problems of contact
 :mod:`nlmodes.continuation`       branches of ``R(x, p) = 0`` with functions of your own
@@ -30,13 +32,16 @@ from ._native import __version__
 from ._result import Result, read, verify
 from ._run import check, columns, linear_frequencies, run, schema
 from ._table import Table
+from .follow import FollowedCurve, follow
 from .law import Law
 from .reduced import ReducedStructure
 from .structure import Structure
-from .study import Study, StudyTable
+from .study import Fit, Study, StudyTable, fit
 
 __all__ = [
     "Branch",
+    "Fit",
+    "FollowedCurve",
     "History",
     "Law",
     "Mistake",
@@ -57,6 +62,8 @@ __all__ = [
     "contact",
     "continuation",
     "experiment",
+    "fit",
+    "follow",
     "linear_frequencies",
     "read",
     "run",

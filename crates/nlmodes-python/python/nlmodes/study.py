@@ -5,9 +5,12 @@ from __future__ import annotations
 import json
 import os
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from . import _native
 from ._branch import LABELS
@@ -71,6 +74,62 @@ class StudyTable(Table):
         return f"<StudyTable of {self.counts['cases']} cases: {own}>"
 
 
+class Fit:
+    """What a fit found: the variables with their covariance, and the measured points beside the curve."""
+
+    def __init__(self, found: Mapping[str, Any], points: bytes) -> None:
+        self._found = found
+        self.points = Table(points)
+        """The measured numbers: ``column``, ``place``, ``measured``, ``measured_std``, ``before`` and ``fitted``."""
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Each variable as found."""
+        return {one["variable"]: one["value"] for one in self._found["parameters"]}
+
+    @property
+    def std(self) -> dict[str, float]:
+        """Standard deviation of each variable."""
+        return {one["variable"]: one["std"] for one in self._found["parameters"]}
+
+    @property
+    def covariance(self) -> NDArray[np.float64]:
+        """Covariance of the variables in their order, each in its unit."""
+        return np.array(self._found["covariance"], dtype=float)
+
+    @property
+    def chi_squared(self) -> float:
+        """Sum of the squares of what is left, over the deviations of the points."""
+        return float(self._found["chi_squared"])
+
+    @property
+    def probability(self) -> float | None:
+        """Probability that noise with the stated deviations leaves as much; None where none are stated."""
+        found: float | None = self._found["probability"]
+        return found
+
+    @property
+    def overrides(self) -> list[str]:
+        """The variables as found, as ``--set`` of the command line takes them."""
+        return list(self._found["set"])
+
+    @property
+    def details(self) -> dict[str, Any]:
+        """All of ``fit.json``."""
+        return dict(self._found)
+
+    def __repr__(self) -> str:
+        own = ", ".join(f"{name} = {value:.6g} ± {self.std[name]:.2g}" for name, value in self.values.items())
+        return f"<Fit: {own}>"
+
+
+class Executor(Protocol):
+    """What computes cases elsewhere: an executor of ``concurrent.futures`` or a client of Dask, ``distributed.Client``."""
+
+    def submit(self, function: Callable[..., Any], /, *arguments: Any) -> Any:
+        """A future with ``result()``."""
+
+
 class Study:
     """A study: one branch for each of many values, and a table of quantities.
 
@@ -125,6 +184,8 @@ class Study:
         self._scratch = Scratch() if out is None and isinstance(source, tuple) else None
         place = self._scratch.path if self._scratch else None
         self._native = _native.Study(source, scene, None if out is None else Path(out), place)
+        here = source if isinstance(source, tuple) else source.absolute()
+        self._where = (here, scene, self.directory.absolute(), Path.cwd())
         for text in self._native.warnings:
             warnings.warn(text, SceneWarning, stacklevel=2)
 
@@ -198,6 +259,85 @@ class Study:
                 shown.close()
         return self._table(True)
 
+    def map(self, executor: Executor, *, chunks: int | None = None, retry_failed: bool = False, attempts: int = 3) -> StudyTable:
+        """Computes the cases that are not there yet by an executor of ``concurrent.futures`` or Dask, and returns the table.
+
+        A case is a call that leaves its directory: workers need the package, and the directory of the study and the files of its scene at the
+        same paths. A worker that is lost takes the cases in progress with it and nothing else; they are computed again, or by the next call.
+
+        Parameters
+        ----------
+        executor
+            With ``submit(function, *arguments)`` that returns a future: ``ProcessPoolExecutor(8)``, ``distributed.Client(...)``, of threads too.
+        chunks
+            Calls into which the cases are divided, each with every n-th case; default one a case, at most 1000.
+        retry_failed
+            Compute cases that failed once more.
+        attempts
+            How often a call whose worker was lost is submitted.
+
+        Raises
+        ------
+        RunError
+            Calls have failed ``attempts`` times. What was computed stays; the same call goes on from there.
+
+        Examples
+        --------
+        >>> from concurrent.futures import ThreadPoolExecutor
+        >>> import nlmodes
+        >>> study = nlmodes.Study({
+        ...     "scene": {
+        ...         "structure": {
+        ...             "kind": "rod", "length_m": 1.0, "elements": 4, "start": "clamped",
+        ...             "material": {"youngs_modulus_pa": 210e9, "density_kg_m3": 7800.0}, "section": {"area_m2": 1e-4},
+        ...         },
+        ...         "contact": [{"at_m": 1.0, "direction": "axial", "side": "positive", "gap_m": 1e-3}],
+        ...         "method": {"harmonics": 1},
+        ...         "continuation": {"max_energy_ratio": 2.0},
+        ...     },
+        ...     "vary": [{"key": "contact.0.gap_m", "name": "gap_m", "values": [1e-3, 2e-3]}],
+        ...     "quantity": [{"name": "force", "of": "peak_contact_force_n", "at": "last"}],
+        ... })
+        >>> with ThreadPoolExecutor(2) as workers:
+        ...     study.map(workers).complete
+        True
+        """
+        cases = len(self.ids())
+        parts = max(1, min(chunks or 1000, cases))
+        missing: Sequence[int] = range(parts)
+        why = ""
+        for _ in range(max(1, attempts)):
+            futures = [(part, _submitted(executor, (*self._where, f"{part}/{parts}", retry_failed))) for part in missing]
+            lost = []
+            for part, future in futures:
+                try:
+                    future.result()
+                except Exception as error:  # noqa: BLE001: each library has its own for a worker that is lost
+                    lost.append(part)
+                    why = f"{type(error).__name__}: {error}"
+            missing = lost
+            if not missing:
+                return self._table(True)
+        raise RunError(
+            f"{len(missing)} of {parts} calls have failed {attempts} times; the last one said {why}\n"
+            "what was computed until then stays; the same call goes on from there"
+        )
+
+    def fit(self, *, memory_limit: str | None = None) -> Fit:
+        """Fits the variables to the measured points of the study, its ``[fit]``, by Gauss-Newton with exact gradients of the curve.
+
+        ``fit.json``, ``fit.csv`` and figures are written into the directory of the study.
+
+        Raises
+        ------
+        SceneError
+            Nothing is measured, or fewer numbers than there are variables; the curve at the start does not reach the points.
+        RunError
+            The search does not come to an end, or the points do not tell the variables apart.
+        """
+        found, points = self._native.fit(memory_limit)
+        return Fit(json.loads(found), points.read_bytes())
+
     def collect(self) -> StudyTable:
         """The table of what there is; nothing is computed or written. Cases that are missing have a row that says so."""
         return self._table(False)
@@ -225,6 +365,52 @@ class Study:
 
     def __repr__(self) -> str:
         return f"<Study of {', '.join(self.quantities)} over {', '.join(self.variables)} in {self.directory}>"
+
+
+def fit(study: Scene, *, out: str | os.PathLike[str] | None = None, memory_limit: str | None = None) -> Fit:
+    """Fits the variables of a study to its measured points: :meth:`Study.fit` of :class:`Study`.
+
+    Examples
+    --------
+    >>> import nlmodes
+    >>> rod = {
+    ...     "structure": {
+    ...         "kind": "rod", "length_m": 1.0, "elements": 4, "start": "clamped",
+    ...         "material": {"youngs_modulus_pa": 210e9, "density_kg_m3": 7800.0}, "section": {"area_m2": 1e-4},
+    ...     },
+    ...     "contact": [{"at_m": 1.0, "direction": "axial", "side": "positive", "gap_m": 1e-3}],
+    ...     "method": {"harmonics": 1},
+    ...     "continuation": {"max_energy_ratio": 3.0},
+    ... }
+    >>> made = nlmodes.run(rod, contact=[{"at_m": 1.0, "direction": "axial", "side": "positive", "gap_m": 1.1e-3}])
+    >>> import pathlib, tempfile
+    >>> place = pathlib.Path(tempfile.mkdtemp())
+    >>> rows = zip(made.energy_j[2:6].tolist(), made.frequency_hz[2:6].tolist())
+    >>> _ = (place / "points.csv").write_text("energy_j,frequency_hz\\n" + "".join(f"{e!r},{f!r}\\n" for e, f in rows))
+    >>> found = nlmodes.fit({
+    ...     "scene": rod,
+    ...     "fit": {"measured": str(place / "points.csv"), "over": "energy_j"},
+    ...     "vary": [{"key": "contact.0.gap_m", "name": "gap_m"}],
+    ... })
+    >>> bool(abs(found.values["gap_m"] - 1.1e-3) < 1e-8)
+    True
+    """
+    return Study(study, out=out).fit(memory_limit=memory_limit)
+
+
+def _submitted(executor: Executor, case: tuple[Any, ...]) -> Any:
+    # Dask takes equal calls for one, whose result it may still have; a case that failed is to be computed again.
+    if hasattr(executor, "scheduler_info"):
+        return executor.submit(_computed, *case, pure=False)  # type: ignore[call-arg]
+    return executor.submit(_computed, *case)
+
+
+def _computed(source: tuple[str, str] | Path, scene: str | None, directory: Path, place: Path, shard: str, retry: bool) -> None:
+    """Computes a share of a study where a worker is."""
+    if isinstance(source, tuple) and Path.cwd() != place:
+        # Files of a text count from where it was written.
+        os.chdir(place)
+    _native.Study(source, scene, directory, None).run(1, shard, retry, False, None, None)
 
 
 def _shown(wanted: StudyProgress, total: int) -> Callable[[int, float | None, str], object] | None:
