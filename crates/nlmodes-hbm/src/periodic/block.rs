@@ -143,9 +143,9 @@ pub(crate) trait LinearResponse {
         weights: &[Complex64],
     ) -> (Vec<Complex64>, Vec<Complex64>);
 
-    /// The weights of a load of the modes (m), and of what moves the places of laws, that go with weights of the residual
-    /// (d) and of the modal coordinates (m) of an evaluated block, where coordinates and forces stay: both answer to any
-    /// load.
+    /// The weights of a load of the modes (m), and of what moves the places of laws, that go with weights of the
+    /// residual (d) and of the modal coordinates (m) of an evaluated block, where coordinates and forces stay: both
+    /// answer to any load.
     fn pull_load(
         &self,
         n: usize,

@@ -26,8 +26,8 @@ pub struct ParameterEntry {
 /// heading; those of one parameter need not stand together.
 ///
 /// # Errors
-/// [`ReadError`](crate::ReadError): another number of columns, another heading, a matrix that is neither `stiffness` nor
-/// `mass`, a value that is not finite, an empty table.
+/// [`ReadError`](crate::ReadError): another number of columns, another heading, a matrix that is neither `stiffness`
+/// nor `mass`, a value that is not finite, an empty table.
 pub fn read_parameter_entries(path: &Path) -> Result<Vec<ParameterEntry>> {
     let (mut lines, mut entries) = (Lines::open(path)?, Vec::new());
     while lines.advance()? {

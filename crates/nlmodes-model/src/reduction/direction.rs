@@ -17,8 +17,8 @@ pub struct MatrixDirection {
 
 /// Derivatives of a structure in free-interface modes, as some of its places see it, per unit of a parameter.
 ///
-/// The modes are those that change as little as they can, `Φ₀ᵀ M₀ dΦ` symmetric: their stiffness is a full matrix, their
-/// mass stays the identity, and neither signs nor modes of one frequency matter.
+/// The modes are those that change as little as they can, `Φ₀ᵀ M₀ dΦ` symmetric: their stiffness is a full matrix,
+/// their mass stays the identity, and neither signs nor modes of one frequency matter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OpenChange {
     /// Of `Φᵀ K Φ`, m × m.
@@ -128,8 +128,8 @@ fn form(entries: &[Triplet], (x, i): (&Mat<f64>, usize), (y, j): (&Mat<f64>, usi
     entries.iter().map(one).sum()
 }
 
-/// `(K − ω² M)⁺ b` beyond the modes, from the static answers `G b`, column by column: `(1 − ω² G M) z = G b` by conjugate
-/// gradients in the inner product of `M`, in which this is positive definite. Few steps, since all modes far above ω
+/// `(K − ω² M)⁺ b` beyond the modes, from the static answers `G b`, column by column: `(1 − ω² G M) z = G b` by
+/// conjugate gradients in the inner product of `M`, in which this is positive definite. Few steps, since all modes far above ω
 /// answer statically. None where it does not settle.
 fn beyond(beside: &Beside<'_>, mass: &SparseMatrix, square: f64, start: &Mat<f64>) -> Option<Mat<f64>> {
     if square == 0.0 {

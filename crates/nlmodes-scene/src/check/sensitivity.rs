@@ -97,7 +97,8 @@ fn listed(key: &str) -> Option<String> {
     key.strip_prefix("response.").map(|rest| format!("response.0.{rest}"))
 }
 
-/// Refuses what has no gradients: scenes that are not in free-interface modes, stops with a law of force, exact motions.
+/// Refuses what has no gradients: scenes that are not in free-interface modes, stops with a law of force, exact
+/// motions.
 pub fn refuse(scene: &Scene, diagnostics: &mut Diagnostics<'_>) {
     if scene.sensitivities.is_empty() {
         return;

@@ -3,8 +3,8 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// A parameter by which the points of every curve are differentiated: a number of the scene, or many that change entries
-/// of the matrices. One of the keys.
+/// A parameter by which the points of every curve are differentiated: a number of the scene, or many that change
+/// entries of the matrices. One of the keys.
 #[derive(Debug, Clone, Deserialize, JsonSchema)]
 pub struct RawSensitivity {
     /// A key of the scene with a number, as `--set` takes it: "contact.0.gap_m", "structure.material.youngs_modulus_pa"

@@ -30,12 +30,12 @@ impl<'a> Places<'a> {
 const SAME: f64 = 1e-9;
 
 impl ResponseModel {
-    /// What these changes of stiffness and mass do to the structure and its load, exactly; `watched` is the displacement
-    /// whose amplitude is followed. One solution for each retained mode and place, whatever the number of directions.
+    /// What these changes of stiffness and mass do to the structure and its load, exactly; `watched` is the
+    /// displacement whose amplitude is followed. One solution for each retained mode and place, whatever the number of directions.
     ///
     /// # Errors
-    /// [`ResponseError::DirectionBeside`] what is differentiated in other ways, [`ResponseError::Problem`] beside laws of
-    /// force, or what the reduction has against a direction.
+    /// [`ResponseError::DirectionBeside`] what is differentiated in other ways, [`ResponseError::Problem`] beside laws
+    /// of force, or what the reduction has against a direction.
     pub fn changes_along(
         &self,
         directions: &[MatrixDirection],

@@ -1,4 +1,5 @@
-//! A fold, a first touch, a phase resonance or a motion at a given energy, followed over a parameter of the structure or its load.
+//! A fold, a first touch, a phase resonance or a motion at a given energy, followed over a parameter of the structure
+//! or its load.
 //!
 //! ```text
 //! R(x, s; q) = 0 ,   g(x, s; q) = 0         unknowns x and the frequency s, parameter q; of a mode R(x; q) = 0 alone
