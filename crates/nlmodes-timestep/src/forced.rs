@@ -14,6 +14,7 @@ mod transient;
 pub use input::{DEGREE, Signal, SignalPiece};
 pub use laws::{LawSettings, TimeLaw};
 pub use motion::ForcedMotion;
+pub use stroboscope::Flash;
 pub use transient::{Along, Blow, Stretch, Touch, TransientSettings};
 
 use input::{Input, Observed};
@@ -159,6 +160,18 @@ impl ForcedStructure {
     /// Length of a state: modal coordinates (m √kg), their rates (m √kg/s), displacements of the dissipative stops (m).
     pub fn n_states(&self) -> usize {
         2 * self.n_modes() + self.dampers.len()
+    }
+
+    /// The slowest rate at which a free motion decays with all contacts open, by the damping of each mode alone, 1/s:
+    /// zero where one is not damped.
+    pub fn slowest_decay(&self) -> f64 {
+        let of = |k: usize| {
+            let half = 0.5 * self.damping[(k, k)];
+            let square = self.omega_squared[k].max(0.0);
+            // An overdamped mode creeps back.
+            if half * half <= square { half } else { square / (half + (half * half - square).sqrt()) }
+        };
+        (0..self.n_modes()).map(of).fold(f64::INFINITY, f64::min)
     }
 
     /// A rate that scales velocities to displacements, 1/s.

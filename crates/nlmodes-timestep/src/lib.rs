@@ -73,8 +73,8 @@ pub use dynamics::{ContactDynamics, MAX_DOFS};
 pub use error::TimestepError;
 pub use floquet::{Floquet, UNIT_CIRCLE};
 pub use forced::{
-    Along, Blow, DEGREE, ForcedMotion, ForcedStructure, LawSettings, Signal, SignalPiece, Stretch, TimeLaw, Touch,
-    TransientSettings,
+    Along, Blow, DEGREE, Flash, ForcedMotion, ForcedStructure, LawSettings, Signal, SignalPiece, Stretch, TimeLaw,
+    Touch, TransientSettings,
 };
 pub use global_problem::GlobalContactProblem;
 pub use grazing::GrazingState;

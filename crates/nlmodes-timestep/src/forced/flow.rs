@@ -1,5 +1,6 @@
 use nlmodes_linalg::{DenseLu, Mat, eigenvalues, matrix_exponential};
 
+use super::laws::LawSeries;
 use super::series::Series;
 use super::{DEGREE, ForcedStructure, Observed};
 use crate::TimestepError;
@@ -34,7 +35,7 @@ pub(super) struct Flow {
     pub forces_along: Vec<Series>,
     pub observed: Vec<Series>,
     /// Displacements of the laws along a step.
-    pub laws: Vec<Series>,
+    pub laws: Vec<LawSeries>,
 }
 
 impl ForcedStructure {
@@ -146,21 +147,27 @@ impl ForcedStructure {
         let over_step = scaled_exponential(&matrix, n, step)?;
         let guards: Vec<Vec<f64>> = (0..closed.len()).map(guard).collect();
         let along = |rows: &[Vec<f64>]| rows.iter().map(|row| Series::new(row, &matrix, step)).collect();
-        let observed: Vec<Vec<f64>> = self.observed.iter().map(|of| self.observed_row(of, &forces)).collect();
-        let places: Vec<Vec<f64>> = self.laws.iter().map(|at| self.observed_row(&at.place, &forces)).collect();
+        let observed: Vec<Vec<f64>> = self.observed.iter().map(|of| self.observed_row(of, &forces, level)).collect();
+        let places: Vec<Vec<f64>> = self.laws.iter().map(|at| self.observed_row(&at.place, &forces, level)).collect();
         let (watched, forces_along, observed) = (along(&guards), along(&forces), along(&observed));
-        let (closed, laws) = (closed.to_vec(), along(&places));
+        let laws = places.iter().enumerate().map(|(l, place)| self.law_series(l, place, &matrix, step));
+        let (closed, laws) = (closed.to_vec(), laws.collect());
         Ok(Flow { closed, step, matrix, over_step, guards, watched, forces, free, gaps, forces_along, observed, laws })
     }
 
     /// An observed displacement as a row acting on `w`.
-    fn observed_row(&self, of: &Observed, forces: &[Vec<f64>]) -> Vec<f64> {
+    fn observed_row(&self, of: &Observed, forces: &[Vec<f64>], level: f64) -> Vec<f64> {
         let mut row = vec![0.0; self.n_augmented()];
         row[..self.n_modes()].copy_from_slice(&of.modes);
         for (weight, force) in of.contacts.iter().zip(forces) {
             row.iter_mut().zip(force).for_each(|(row, force)| *row += weight * force);
         }
         of.inputs.iter().enumerate().for_each(|(j, moved)| row[self.first_of_input(j)] += moved);
+        let oscillators = self.n_states() + 1;
+        for (j, moved) in of.loads.iter().enumerate() {
+            row[oscillators + 2 * j] += level * moved.re;
+            row[oscillators + 2 * j + 1] -= level * moved.im;
+        }
         row
     }
 
@@ -209,10 +216,17 @@ impl Flow {
 
     /// The transition of the state (s × s) over a time within a step.
     pub fn transition(&self, states: usize, t: f64) -> Result<Mat<f64>, TimestepError> {
+        self.transition_of(&(0..states).collect::<Vec<usize>>(), t)
+    }
+
+    /// That of entries of `w` which only these entries drive.
+    pub fn transition_of(&self, entries: &[usize], t: f64) -> Result<Mat<f64>, TimestepError> {
+        let n = entries.len();
+        let block = |of: &Mat<f64>| Mat::from_fn(n, n, |i, j| of[(entries[i], entries[j])]);
         if t == self.step {
-            return Ok(Mat::from_fn(states, states, |i, j| self.over_step[(i, j)]));
+            return Ok(block(&self.over_step));
         }
-        scaled_exponential(&self.matrix, states, t)
+        scaled_exponential(&block(&self.matrix), n, t)
     }
 }
 

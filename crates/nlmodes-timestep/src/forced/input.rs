@@ -1,3 +1,5 @@
+use num_complex::Complex64;
+
 use super::ForcedStructure;
 use crate::TimestepError;
 
@@ -40,12 +42,14 @@ pub(super) struct Input {
     pub gaps: Vec<f64>,
 }
 
-/// A displacement that is observed: `Σ modes z + Σ contacts λ + Σ inputs u`.
+/// A displacement that is observed: `Σ modes z + Σ contacts λ + Σ inputs u + F Σ Re(loads e^{inΩt})`.
 #[derive(Debug, Clone)]
 pub(super) struct Observed {
     pub modes: Vec<f64>,
     pub contacts: Vec<f64>,
     pub inputs: Vec<f64>,
+    /// Empty where the periodic loads move nothing beyond the modes.
+    pub loads: Vec<Complex64>,
 }
 
 impl ForcedStructure {
@@ -73,8 +77,37 @@ impl ForcedStructure {
         fits("contacts of an observed displacement", self.n_contacts(), contacts)?;
         fits("loads of an observed displacement", self.inputs.len(), inputs)?;
         let (modes, contacts, inputs) = (modes.to_vec(), contacts.to_vec(), inputs.to_vec());
-        self.observed.push(Observed { modes, contacts, inputs });
+        self.observed.push(Observed { modes, contacts, inputs, loads: Vec::new() });
         Ok(())
+    }
+
+    /// Says how far each harmonic of the periodic load moves the observed displacement that was added last beyond the
+    /// modes, m per unit of level, in the order in which they were pushed.
+    ///
+    /// # Errors
+    /// [`TimestepError::Dimension`].
+    pub fn move_observed(&mut self, by_loads: &[Complex64]) -> Result<(), TimestepError> {
+        let loads = self.moving(by_loads)?;
+        self.observed.iter_mut().last().into_iter().for_each(|last| last.loads.clone_from(&loads));
+        Ok(())
+    }
+
+    /// As [`move_observed`](Self::move_observed), of the place of the law that was added last.
+    ///
+    /// # Errors
+    /// [`TimestepError::Dimension`].
+    pub fn move_law(&mut self, by_loads: &[Complex64]) -> Result<(), TimestepError> {
+        let loads = self.moving(by_loads)?;
+        self.laws.iter_mut().last().into_iter().for_each(|last| last.place.loads.clone_from(&loads));
+        Ok(())
+    }
+
+    fn moving(&self, by_loads: &[Complex64]) -> Result<Vec<Complex64>, TimestepError> {
+        let (what, expected, found) = ("harmonics of the load at a place", self.loads.len(), by_loads.len());
+        if expected != found {
+            return Err(TimestepError::Dimension { what, expected, found });
+        }
+        Ok(by_loads.to_vec())
     }
 
     /// Sets modal forces that do not change in time (m, √kg m/s²).

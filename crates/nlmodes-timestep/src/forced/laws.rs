@@ -4,6 +4,8 @@
 //! of Gauss: a collocation method whose linear part is exact (Hochbruck, Ostermann 2005), of order `2 s` with `s`
 //! nodes. Rigid and linear stops keep their exact instants beside it, and no damping is added.
 
+mod transition;
+
 use std::fmt::Debug;
 use std::sync::Arc;
 
@@ -11,11 +13,13 @@ use nlmodes_linalg::{DenseLu, Mat};
 
 use super::flow::Flow;
 use super::input::{DEGREE, Observed};
-use super::series::{ORDER, Polynomial};
+use super::series::{ORDER, Polynomial, Series};
 use super::trajectory::Running;
 use super::{ForcedStructure, input};
 use crate::TimestepError;
 use crate::first_root::Guard;
+
+pub(super) use transition::LawTransitions;
 
 /// A force `F(v, v̇)` that resists the displacement `v` of a place.
 pub trait TimeLaw: Send + Sync + Debug {
@@ -54,10 +58,43 @@ pub(super) struct LawAt {
     pub place: Observed,
 }
 
+/// A law along a step: the displacement of its place, and the rate that it feels where that is not the slope.
+#[derive(Debug)]
+pub(super) struct LawSeries {
+    pub place: Series,
+    rate: Option<Series>,
+}
+
+impl LawSeries {
+    /// Displacement and rate at the nodes and both ends of a step of length `h`, of what `of` takes.
+    fn values(&self, of: impl Fn(&Series) -> Polynomial, flow: &Flow, h: f64) -> Vec<[f64; 2]> {
+        let (place, rate) = (of(&self.place), self.rate.as_ref().map(of));
+        let at = |tau: &f64| {
+            let tau = tau * h / flow.step;
+            let [value, slope, _] = place.evaluate(tau);
+            [value, rate.map_or(slope / flow.step, |rate| rate.evaluate(tau)[0])]
+        };
+        NODES.iter().chain(&[0.0, 1.0]).map(at).collect()
+    }
+}
+
 impl ForcedStructure {
+    /// A law along a step with this matrix, from the row of its place.
+    pub(super) fn law_series(&self, law: usize, place: &[f64], matrix: &Mat<f64>, step: f64) -> LawSeries {
+        // The force of a stop bends as it closes: by what it moves beyond the modes a damper would jump there.
+        let beside_stops = self.n_contacts() > 0 || self.law_stops().any(|(other, _)| other != law);
+        let rate = beside_stops.then(|| {
+            let (m, mut row) = (self.n_modes(), vec![0.0; place.len()]);
+            let modes = self.laws[law].place.modes.iter();
+            row[m..2 * m].iter_mut().zip(modes).for_each(|(row, mode)| *row = self.rate() * mode);
+            Series::new(&row, matrix, step)
+        });
+        LawSeries { place: Series::new(place, matrix, step), rate }
+    }
+
     /// Adds a law of force: modes at its place (m, 1/√kg), the flexibility beyond them between contacts and its place
     /// (c, m/N), and how far a unit of each input, of each law before it and of its own reaction move its place beyond
-    /// the modes (m, m/N). Loads are added before laws. Motions under any loads have it, periodic ones do not.
+    /// the modes (m, m/N). Loads are added before laws. Beside stops a law of the velocity feels that of the modes.
     ///
     /// # Errors
     /// [`TimestepError::Dimension`], [`TimestepError::NotFinite`].
@@ -73,8 +110,8 @@ impl ForcedStructure {
         let input = self.inputs.len() - 1;
         // What this law does to the others is what they do to it.
         self.laws.iter_mut().for_each(|other| other.place.inputs[input] = moved[other.input]);
-        let place = Observed { modes: modes.to_vec(), contacts: contacts.to_vec(), inputs: moved.to_vec() };
-        self.laws.push(LawAt { law, input, place });
+        let (modes, contacts, inputs) = (modes.to_vec(), contacts.to_vec(), moved.to_vec());
+        self.laws.push(LawAt { law, input, place: Observed { modes, contacts, inputs, loads: Vec::new() } });
         Ok(())
     }
 
@@ -99,6 +136,31 @@ impl ForcedStructure {
     /// Numbers of the laws that are stops, and their clearances, m.
     pub(super) fn law_stops(&self) -> impl Iterator<Item = (usize, f64)> {
         self.laws.iter().enumerate().filter_map(|(l, at)| Some((l, at.law.stop_gap()?)))
+    }
+
+    /// What reactions of the laws move in a step of length `h`.
+    fn law_moves(&self, flow: &Flow, h: f64) -> Vec<Vec<[f64; 2]>> {
+        let (laws, monomials) = (&self.laws, Monomials::new());
+        let scale = h * self.rate();
+        let mut by = vec![vec![[0.0; 2]; laws.len() * S]; laws.len() * (S + 2)];
+        for (l, law) in flow.laws.iter().enumerate() {
+            for (other, at) in laws.iter().enumerate() {
+                let first = self.first_of_input(at.input);
+                let mut factor = 1.0;
+                for (k, row) in monomials.0.iter().enumerate() {
+                    let moved = law.values(|series| series.column(first + k), flow, h);
+                    for (i, moved) in moved.into_iter().enumerate() {
+                        for (j, share) in row.iter().enumerate() {
+                            let entry = &mut by[l * (S + 2) + i][other * S + j];
+                            entry[0] += share * factor * moved[0];
+                            entry[1] += share * factor * moved[1];
+                        }
+                    }
+                    factor /= scale;
+                }
+            }
+        }
+        by
     }
 
     /// Force of a law along a step, from the coefficients of its reaction in `w`.
@@ -148,7 +210,7 @@ pub(super) struct LawSteps<'a> {
     /// Largest entry of a state so far.
     largest: f64,
     /// Which laws that are stops act, in their order.
-    pub acting: Vec<bool>,
+    pub acting: Arc<Vec<bool>>,
     /// The stop that begins or ends to act at the end of the present step, and that end, s.
     switch: Option<(usize, f64)>,
     /// Whether one began or ended to act at its beginning.
@@ -174,15 +236,16 @@ struct Solved {
 
 impl<'a> LawSteps<'a> {
     pub fn new(structure: &'a ForcedStructure) -> Self {
-        let acting = vec![false; structure.n_law_stops()];
+        let acting = Arc::new(vec![false; structure.n_law_stops()]);
         Self { structure, step: f64::INFINITY, largest: 0.0, acting, switch: None, has_switched: false, moves: None }
     }
 
-    /// Which stops act at the beginning.
+    /// Begins a motion: which stops act.
     pub fn begin(&mut self, running: &Running) {
-        for (acting, (l, gap)) in self.acting.iter_mut().zip(self.structure.law_stops()) {
-            *acting = running.flow.laws[l].value_and_slope(&running.w)[0] > gap;
-        }
+        let acts = |(l, gap): (usize, f64)| running.flow.laws[l].place.value_and_slope(&running.w)[0] > gap;
+        let acting = Arc::new(self.structure.law_stops().map(acts).collect());
+        let moves = self.moves.take();
+        *self = Self { acting, moves, ..Self::new(self.structure) };
     }
 
     /// Puts the reactions of a step into `w`; its end, not beyond `until`.
@@ -233,7 +296,7 @@ impl<'a> LawSteps<'a> {
                 if is_found || instant <= SHORTEST * flow.step {
                     if instant <= SHORTEST * flow.step {
                         // It switches now: the step begins anew on the other side.
-                        self.acting[stop] = !self.acting[stop];
+                        self.toggle(stop);
                         self.has_switched = true;
                         trials += 1;
                         if trials <= TRIALS {
@@ -259,18 +322,23 @@ impl<'a> LawSteps<'a> {
         let has_switched = std::mem::take(&mut self.has_switched);
         match self.switch.take() {
             Some((stop, end)) if t >= end - AT_INSTANT * end.abs() => {
-                self.acting[stop] = !self.acting[stop];
+                self.toggle(stop);
                 true
             }
             _ => has_switched,
         }
     }
 
+    fn toggle(&mut self, stop: usize) {
+        let acting = Arc::make_mut(&mut self.acting);
+        acting[stop] = !acting[stop];
+    }
+
     /// The first stop that begins or ends to act within a step, a little beyond its end, and when after its beginning.
     fn first_switch(&self, flow: &Flow, w: &[f64], h: f64) -> Option<(usize, f64)> {
         let mut first: Option<(usize, f64)> = None;
         for (stop, (l, gap)) in self.structure.law_stops().enumerate() {
-            let mut guard = flow.laws[l].from(w);
+            let mut guard = flow.laws[l].place.from(w);
             guard.a[0] -= gap;
             if !self.acting[stop] {
                 guard.a.iter_mut().for_each(|a| *a = -*a);
@@ -296,9 +364,10 @@ impl<'a> LawSteps<'a> {
         });
         let by = match self.moves.take().filter(|moves| moves.step == h && moves.closed == flow.closed) {
             Some(moves) => moves.by,
-            None => self.moves(flow, h),
+            None => self.structure.law_moves(flow, h),
         };
-        let base: Vec<[f64; 2]> = flow.laws.iter().flat_map(|series| values(&series.from(&free), flow, h)).collect();
+        let from_state = |law: &LawSeries| law.values(|series| series.from(&free), flow, h);
+        let base: Vec<[f64; 2]> = flow.laws.iter().flat_map(from_state).collect();
         let place = |row: usize, u: &[f64]| {
             let sum = |d: usize| base[row][d] + by[row].iter().zip(u).map(|(by, u)| by[d] * u).sum::<f64>();
             [sum(0), sum(1)]
@@ -367,30 +436,6 @@ impl<'a> LawSteps<'a> {
         Some(Solved { reactions: u, defect })
     }
 
-    /// What reactions move in a step of length `h`.
-    fn moves(&self, flow: &Flow, h: f64) -> Vec<Vec<[f64; 2]>> {
-        let (laws, monomials) = (&self.structure.laws, Monomials::new());
-        let scale = h * self.structure.rate();
-        let mut by = vec![vec![[0.0; 2]; laws.len() * S]; laws.len() * (S + 2)];
-        for (l, series) in flow.laws.iter().enumerate() {
-            for (other, at) in laws.iter().enumerate() {
-                let first = self.structure.first_of_input(at.input);
-                let mut factor = 1.0;
-                for (k, row) in monomials.0.iter().enumerate() {
-                    for (i, moved) in values(&series.column(first + k), flow, h).into_iter().enumerate() {
-                        for (j, share) in row.iter().enumerate() {
-                            let entry = &mut by[l * (S + 2) + i][other * S + j];
-                            entry[0] += share * factor * moved[0];
-                            entry[1] += share * factor * moved[1];
-                        }
-                    }
-                    factor /= scale;
-                }
-            }
-        }
-        by
-    }
-
     /// Reactions at the nodes by the polynomials of the step before.
     fn guess(&self, w: &[f64], h: f64) -> Vec<f64> {
         let value = |first: usize, tau: f64| {
@@ -414,15 +459,6 @@ impl<'a> LawSteps<'a> {
             }
         }
     }
-}
-
-/// Value and rate of a displacement at the nodes and both ends of a step of length `h`.
-fn values(along: &Polynomial, flow: &Flow, h: f64) -> Vec<[f64; 2]> {
-    let at = |tau: &f64| {
-        let [value, slope, _] = along.evaluate(tau * h / flow.step);
-        [value, slope / flow.step]
-    };
-    NODES.iter().chain(&[0.0, 1.0]).map(at).collect()
 }
 
 /// Coefficients of the polynomials of Lagrange at the nodes: row k has those of `τ^k`.

@@ -54,6 +54,23 @@ impl ForcedMotion {
         self.harmonic(|flow| flow.free[contact].clone(), harmonic)
     }
 
+    /// Complex amplitude of an observed displacement, m.
+    pub fn observed_harmonic(&self, number: usize, harmonic: usize) -> Complex64 {
+        self.harmonic(|flow| flow.observed[number].row().to_vec(), harmonic)
+    }
+
+    /// Smallest and largest value of an observed displacement, m.
+    pub fn observed_extremes(&self, number: usize) -> [f64; 2] {
+        let most = |sign: f64| {
+            let of = |piece: &Piece| {
+                let row: Vec<f64> = piece.flow.observed[number].row().iter().map(|v| sign * v).collect();
+                self.highest(piece, &row)
+            };
+            self.pieces.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
+        };
+        [-most(-1.0), most(1.0)]
+    }
+
     /// Share of the period in which a contact is closed.
     pub fn closed_share(&self, contact: usize) -> f64 {
         let closed = self.pieces.iter().filter(|piece| piece.flow.closed[contact]);

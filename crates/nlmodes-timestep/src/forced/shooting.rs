@@ -2,8 +2,9 @@ use std::f64::consts::TAU;
 
 use nlmodes_linalg::{DenseLu, Mat, eigenvalues};
 
-use super::trajectory::{Piece, Propagator, transition};
+use super::trajectory::{Piece, Propagator};
 use super::{ForcedMotion, ForcedStructure};
+use crate::phase::product;
 use crate::{MAX_SHOOTING_MODES, TimestepError};
 
 /// Maximum number of Newton steps, and the smallest damping factor tried.
@@ -14,8 +15,28 @@ const SHORTEST: f64 = 1e-3;
 const PERIODIC: f64 = 1e-9;
 const ROUNDING: f64 = 1e-15;
 
-/// A first state, the steps from there, and the last state.
-type Shot = (Vec<f64>, Vec<Piece>, Vec<f64>);
+/// The parts of a period from their first states on.
+struct Shots {
+    /// First states.
+    states: Vec<Vec<f64>>,
+    /// The steps of each part, and its last state.
+    parts: Vec<(Vec<Piece>, Vec<f64>)>,
+}
+
+impl Shots {
+    /// What each part ends with beyond the beginning of the next one.
+    fn jump(&self, k: usize) -> Vec<f64> {
+        let next = &self.states[(k + 1) % self.states.len()];
+        self.parts[k].1.iter().zip(next).map(|(end, next)| end - next).collect()
+    }
+
+    /// The largest of these, relative to the states.
+    fn residual(&self) -> f64 {
+        let of = |k: usize| distance(&self.states[(k + 1) % self.states.len()], &self.parts[k].1);
+        // NaN is preserved.
+        (0..self.states.len()).map(of).fold(0.0, |most, v| if v > most || v.is_nan() { v } else { most })
+    }
+}
 
 impl ForcedStructure {
     /// The periodic motion near a state under the load of this level at the frequency `omega` (rad/s), over this many
@@ -31,7 +52,23 @@ impl ForcedStructure {
         periods: usize,
         near: &[f64],
     ) -> Result<ForcedMotion, TimestepError> {
-        for (what, value) in [("frequency (rad/s)", omega), ("periods of the load", periods as f64)] {
+        self.periodic_through(level, omega, periods, &[near.to_vec()])
+    }
+
+    /// The same near several states that follow each other in equal parts of its period, the first one at its
+    /// beginning: by multiple shooting, which finds motions that are too unstable to be followed over a whole period.
+    ///
+    /// # Errors
+    /// As [`periodic`](Self::periodic).
+    pub fn periodic_through(
+        &self,
+        level: f64,
+        omega: f64,
+        periods: usize,
+        near: &[Vec<f64>],
+    ) -> Result<ForcedMotion, TimestepError> {
+        let numbers = [("frequency (rad/s)", omega), ("periods of the load", periods as f64)];
+        for (what, value) in numbers.into_iter().chain([("states of the motion", near.len() as f64)]) {
             if !(value.is_finite() && value > 0.0) {
                 return Err(TimestepError::NotPositive { what, value });
             }
@@ -40,35 +77,55 @@ impl ForcedStructure {
         if m > MAX_SHOOTING_MODES {
             return Err(TimestepError::TooManyModes { found: m, most: MAX_SHOOTING_MODES });
         }
-        if near.len() != n {
-            return Err(TimestepError::Dimension { what: "entries of the state", expected: n, found: near.len() });
-        }
-        if near.iter().any(|v| !v.is_finite()) || !level.is_finite() {
-            return Err(TimestepError::NotFinite { what: "state of the motion" });
+        for state in near {
+            if state.len() != n {
+                let (what, found) = ("entries of the state", state.len());
+                return Err(TimestepError::Dimension { what, expected: n, found });
+            }
+            if state.iter().any(|v| !v.is_finite()) || !level.is_finite() {
+                return Err(TimestepError::NotFinite { what: "state of the motion" });
+            }
         }
         let mut propagator = Propagator::new(self, omega, level)?;
         let duration = TAU * periods as f64 / omega;
-        let mut x = self.in_units(near, self.rate().recip());
-        let (mut pieces, mut end) = propagator.propagate(&x, duration)?;
+        let states = near.iter().map(|state| self.in_units(state, self.rate().recip())).collect();
+        let mut shots = shots(&mut propagator, states, duration)?;
         let mut iterations = 0;
-        while iterations < STEPS && distance(&x, &end) > ROUNDING {
+        while iterations < STEPS && shots.residual() > ROUNDING {
             iterations += 1;
-            let over = transition(&pieces, n)?;
-            let jacobian = Mat::from_fn(n, n, |i, j| over[(i, j)] - f64::from(u8::from(i == j)));
-            let lu = DenseLu::factor(&jacobian).map_err(TimestepError::during("derivative of a forced motion"))?;
-            let mut step: Vec<f64> = end.iter().zip(&x).map(|(end, x)| end - x).collect();
-            lu.solve_in_place(&mut step);
-            let Some(next) = self.shortened(&mut propagator, &x, &step, distance(&x, &end), duration)? else { break };
-            (x, pieces, end) = next;
+            let steps = self.newton(&shots)?;
+            let Some(next) = shortened(&mut propagator, &shots, &steps, duration)? else { break };
+            shots = next;
         }
-        let residual = distance(&x, &end);
+        let residual = shots.residual();
         if residual.is_nan() || residual > PERIODIC {
             return Err(TimestepError::NotConverged { residual, iterations });
         }
+        let state = self.in_units(&shots.states[0], self.rate());
+        let pieces: Vec<Piece> = shots.parts.into_iter().flat_map(|(pieces, _)| pieces).collect();
         let mut multipliers =
-            eigenvalues(&transition(&pieces, n)?).map_err(TimestepError::during("Floquet multipliers"))?;
+            eigenvalues(&self.transition(&pieces)?).map_err(TimestepError::during("Floquet multipliers"))?;
         multipliers.sort_by(|a, b| b.norm().total_cmp(&a.norm()));
-        Ok(ForcedMotion { omega, periods, state: self.in_units(&x, self.rate()), residual, multipliers, pieces })
+        Ok(ForcedMotion { omega, periods, state, residual, multipliers, pieces })
+    }
+
+    /// The step of each state: `δ_{k+1} = T_k δ_k + r_k` around the period.
+    fn newton(&self, shots: &Shots) -> Result<Vec<Vec<f64>>, TimestepError> {
+        let n = self.n_states();
+        let over = shots.parts.iter().map(|(pieces, _)| self.transition(pieces)).collect::<Result<Vec<_>, _>>()?;
+        let (mut around, mut first) = (Mat::identity(n, n), vec![0.0; n]);
+        for (k, over) in over.iter().enumerate() {
+            around = over * &around;
+            first = product(over, &first).iter().zip(shots.jump(k)).map(|(x, r)| x + r).collect();
+        }
+        let jacobian = Mat::from_fn(n, n, |i, j| f64::from(u8::from(i == j)) - around[(i, j)]);
+        let lu = DenseLu::factor(&jacobian).map_err(TimestepError::during("derivative of a forced motion"))?;
+        lu.solve_in_place(&mut first);
+        let mut steps = vec![first];
+        for (k, over) in over.iter().enumerate().take(shots.states.len() - 1) {
+            steps.push(product(over, &steps[k]).iter().zip(shots.jump(k)).map(|(x, r)| x + r).collect());
+        }
+        Ok(steps)
     }
 
     /// The state after this many periods of the load.
@@ -81,7 +138,7 @@ impl ForcedStructure {
             return Err(TimestepError::Dimension { what: "entries of the state", expected, found: state.len() });
         }
         let x = self.in_units(state, self.rate().recip());
-        let end = Propagator::new(self, omega, level)?.propagate(&x, TAU * periods as f64 / omega)?.1;
+        let end = Propagator::new(self, omega, level)?.propagate(&x, 0.0, TAU * periods as f64 / omega)?.1;
         Ok(self.in_units(&end, self.rate()))
     }
 
@@ -91,27 +148,34 @@ impl ForcedStructure {
         let is_rate = |i: usize| (m..2 * m).contains(&i);
         state.iter().enumerate().map(|(i, v)| if is_rate(i) { v * factor } else { *v }).collect()
     }
+}
 
-    /// The motion from the first damped step that reduces the residual; none if no step does.
-    fn shortened(
-        &self,
-        propagator: &mut Propagator<'_>,
-        x: &[f64],
-        step: &[f64],
-        before: f64,
-        duration: f64,
-    ) -> Result<Option<Shot>, TimestepError> {
-        let mut share = 1.0;
-        while share > SHORTEST {
-            let next: Vec<f64> = x.iter().zip(step).map(|(x, s)| x - share * s).collect();
-            let (pieces, end) = propagator.propagate(&next, duration)?;
-            if distance(&next, &end) < before {
-                return Ok(Some((next, pieces, end)));
-            }
-            share *= 0.4;
+/// All parts of a period from their first states.
+fn shots(propagator: &mut Propagator<'_>, states: Vec<Vec<f64>>, duration: f64) -> Result<Shots, TimestepError> {
+    let at = |k: usize| duration * k as f64 / states.len() as f64;
+    let parts = states.iter().enumerate().map(|(k, state)| propagator.propagate(state, at(k), at(k + 1)));
+    let parts = parts.collect::<Result<_, _>>()?;
+    Ok(Shots { states, parts })
+}
+
+/// The motion from the first damped step that reduces the residual; none if no step does.
+fn shortened(
+    propagator: &mut Propagator<'_>,
+    from: &Shots,
+    steps: &[Vec<f64>],
+    duration: f64,
+) -> Result<Option<Shots>, TimestepError> {
+    let (before, mut share) = (from.residual(), 1.0);
+    while share > SHORTEST {
+        let moved = |(x, step): (&Vec<f64>, &Vec<f64>)| x.iter().zip(step).map(|(x, s)| x + share * s).collect();
+        let states: Vec<Vec<f64>> = from.states.iter().zip(steps).map(moved).collect();
+        let next = shots(propagator, states, duration)?;
+        if next.residual() < before {
+            return Ok(Some(next));
         }
-        Ok(None)
+        share *= 0.4;
     }
+    Ok(None)
 }
 
 /// Largest difference of two states relative to the first.

@@ -3,17 +3,27 @@ use std::f64::consts::TAU;
 use super::ForcedMotion;
 use super::ForcedStructure;
 use super::input::fits;
-use super::trajectory::{Propagator, transition};
+use super::trajectory::Propagator;
 use crate::TimestepError;
 use crate::phase::{dot, product};
 
 /// Powers of the transition matrix by which the direction of its largest multiplier is found.
 const POWERS: usize = 200;
 
+/// A motion at an instant.
+#[derive(Debug, Clone, Copy)]
+pub struct Flash<'a> {
+    /// Its state: modal coordinates, their rates, displacements of the dissipative stops.
+    pub state: &'a [f64],
+    /// The observed displacements, m.
+    pub observed: &'a [f64],
+    /// Their largest values since the instant before, m.
+    pub largest: &'a [f64],
+}
+
 impl ForcedStructure {
     /// Follows the motion from a state at the beginning of a period of the load, and shows so many states of each
-    /// period with the observed displacements there (m), the first one after `1/n` of the first period, for as long as
-    /// `goes_on`.
+    /// period, the first one after `1/n` of the first period, for as long as `goes_on`.
     ///
     /// # Errors
     /// As [`periodic`](Self::periodic).
@@ -22,7 +32,7 @@ impl ForcedStructure {
         (level, omega): (f64, f64),
         state: &[f64],
         n: usize,
-        goes_on: &mut dyn FnMut(&[f64], &[f64]) -> bool,
+        goes_on: &mut dyn FnMut(Flash<'_>) -> bool,
     ) -> Result<(), TimestepError> {
         fits("entries of the state", self.n_states(), state)?;
         for (what, value) in [("frequency (rad/s)", omega), ("states of a period", n as f64)] {
@@ -36,9 +46,17 @@ impl ForcedStructure {
             let mut running = propagator.start(self.augmented(&x, omega, 0.0), 0.0)?;
             for k in 1..=n {
                 let until = TAU / omega * k as f64 / n as f64;
-                while propagator.advance(&mut running, until)?.is_some() {}
+                let mut largest = vec![f64::NEG_INFINITY; self.observed.len()];
+                while let Some(piece) = propagator.advance(&mut running, until)? {
+                    largest
+                        .iter_mut()
+                        .enumerate()
+                        .for_each(|(i, most)| *most = piece.observed_highest(i, *most, &running.w));
+                }
                 let observed: Vec<f64> = running.flow.observed.iter().map(|row| dot(row.row(), &running.w)).collect();
-                if !goes_on(&self.in_units(&running.w[..self.n_states()], self.rate()), &observed) {
+                largest.iter_mut().zip(&observed).for_each(|(most, value)| *most = most.max(*value));
+                let state = self.in_units(&running.w[..self.n_states()], self.rate());
+                if !goes_on(Flash { state: &state, observed: &observed, largest: &largest }) {
                     return Ok(());
                 }
             }
@@ -54,7 +72,7 @@ impl ForcedStructure {
     /// [`TimestepError::Linalg`].
     pub fn disturbance(&self, motion: &ForcedMotion) -> Result<Vec<f64>, TimestepError> {
         let n = self.n_states();
-        let over = transition(&motion.pieces, n)?;
+        let over = self.transition(&motion.pieces)?;
         let largest = |x: &[f64]| x.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
         let mut x: Vec<f64> = (0..n).map(|i| 1.0 / (1 + i % 7) as f64).collect();
         for _ in 0..POWERS {

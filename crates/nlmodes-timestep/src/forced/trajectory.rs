@@ -6,6 +6,7 @@ use nlmodes_linalg::Mat;
 
 use super::ForcedStructure;
 use super::flow::Flow;
+use super::laws::{LawSteps, LawTransitions};
 use super::series::size;
 use crate::TimestepError;
 use crate::phase::dot;
@@ -27,6 +28,22 @@ pub(super) struct Piece {
     pub length: f64,
     pub flow: Arc<Flow>,
     pub w: Vec<f64>,
+    /// Length of the step in which the laws of force are fulfilled, at least that of the piece, s.
+    pub law_step: f64,
+    /// Which stops with a law of force act, in their order.
+    pub acting: Arc<Vec<bool>>,
+}
+
+impl Piece {
+    /// The largest value of an observed displacement, if that is above `most`; `end` is `w` at its end.
+    pub fn observed_highest(&self, number: usize, most: f64, end: &[f64]) -> f64 {
+        let of = &self.flow.observed[number];
+        let (before, after) = (of.leading(&self.w), of.leading(end));
+        if before[0].max(after[0]) + reach(&before).max(reach(&after)) <= most {
+            return most;
+        }
+        most.max(of.from(&self.w).highest(self.length / self.flow.step))
+    }
 }
 
 /// Motions of a structure at one frequency and level.
@@ -37,6 +54,7 @@ pub(super) struct Propagator<'a> {
     flows: HashMap<Vec<bool>, Arc<Flow>>,
     free: Vec<Vec<f64>>,
     workspace: Box<dyn LcpWorkspace>,
+    laws: LawSteps<'a>,
 }
 
 /// A motion on its way.
@@ -49,6 +67,8 @@ pub(super) struct Running {
     /// First coefficients of the guards along the step ahead.
     ahead: Vec<[f64; 4]>,
     idle: usize,
+    /// Whether a stop with a law of force begins or ends to act here.
+    pub has_switched: bool,
 }
 
 impl Running {
@@ -73,14 +93,14 @@ impl<'a> Propagator<'a> {
     pub fn new(structure: &'a ForcedStructure, omega: f64, level: f64) -> Result<Self, TimestepError> {
         let workspace = solver_by_name("active-set")?.workspace(&structure.compliance)?;
         let free = structure.free_gaps(level);
-        Ok(Self { structure, omega, level, flows: HashMap::new(), free, workspace })
+        Ok(Self { structure, omega, level, flows: HashMap::new(), free, workspace, laws: LawSteps::new(structure) })
     }
 
-    /// The motion over a time from a state, step by step, and the state at its end.
-    pub fn propagate(&mut self, state: &[f64], duration: f64) -> Result<(Vec<Piece>, Vec<f64>), TimestepError> {
-        let mut running = self.start(self.structure.augmented(state, self.omega, 0.0), 0.0)?;
+    /// The motion from a state at one instant to another, step by step, and the state at its end.
+    pub fn propagate(&mut self, state: &[f64], from: f64, to: f64) -> Result<(Vec<Piece>, Vec<f64>), TimestepError> {
+        let mut running = self.start(self.structure.augmented(state, self.omega, from), from)?;
         let mut pieces = Vec::new();
-        while let Some(piece) = self.advance(&mut running, duration)? {
+        while let Some(piece) = self.advance(&mut running, to)? {
             pieces.push(piece);
             if pieces.len() > MAX_PIECES {
                 return Err(TimestepError::TooManyContacts { time: running.t, most: MAX_PIECES });
@@ -93,13 +113,31 @@ impl<'a> Propagator<'a> {
     /// A motion that begins with `w` at an instant.
     pub fn start(&mut self, w: Vec<f64>, t: f64) -> Result<Running, TimestepError> {
         let flow = self.flow_of(&w)?;
-        let mut running = Running { w, t, short: 0.0, flow, ahead: Vec::new(), idle: 0 };
+        let mut running = Running { w, t, short: 0.0, flow, ahead: Vec::new(), idle: 0, has_switched: false };
         running.look_ahead();
+        self.laws.begin(&running);
         Ok(running)
     }
 
     /// Goes on to the next contact instant, by a step at most and not beyond `until`; none where that is reached.
     pub fn advance(&mut self, running: &mut Running, until: f64) -> Result<Option<Piece>, TimestepError> {
+        if self.structure.laws.is_empty() {
+            return self.go(running, until);
+        }
+        loop {
+            let (from, end) = (running.t, self.laws.go(running, until)?);
+            let acting = Arc::clone(&self.laws.acting);
+            let piece = self.go(running, end)?;
+            running.has_switched = self.laws.end(running.t);
+            match piece {
+                Some(piece) => return Ok(Some(Piece { law_step: end - from, acting, ..piece })),
+                None if running.t >= until => return Ok(None),
+                None => {}
+            }
+        }
+    }
+
+    fn go(&mut self, running: &mut Running, until: f64) -> Result<Option<Piece>, TimestepError> {
         let patience = PATIENCE.map(|p| p * self.free.len() + 2);
         loop {
             let flow = Arc::clone(&running.flow);
@@ -125,7 +163,7 @@ impl<'a> Propagator<'a> {
                 } else {
                     running.go(length)
                 }
-                return Ok(Some(Piece { from, length, flow, w }));
+                return Ok(Some(self.piece(from, length, flow, w)));
             };
             let (from, at) = (running.t, flow.after(&running.w, gone));
             let w = std::mem::replace(&mut running.w, at);
@@ -145,9 +183,13 @@ impl<'a> Propagator<'a> {
             };
             running.look_ahead();
             if gone > 0.0 {
-                return Ok(Some(Piece { from, length: gone, flow, w }));
+                return Ok(Some(self.piece(from, gone, flow, w)));
             }
         }
+    }
+
+    fn piece(&self, from: f64, length: f64, flow: Arc<Flow>, w: Vec<f64>) -> Piece {
+        Piece { from, length, flow, w, law_step: length, acting: Arc::clone(&self.laws.acting) }
     }
 
     fn flow_of(&mut self, w: &[f64]) -> Result<Arc<Flow>, TimestepError> {
@@ -167,14 +209,23 @@ impl<'a> Propagator<'a> {
     }
 }
 
-/// The derivative of the last state with respect to the first: a product of exponentials, since nothing jumps at a
-/// contact instant. All steps between two instants have one exponential together.
-pub(super) fn transition(pieces: &[Piece], states: usize) -> Result<Mat<f64>, TimestepError> {
-    let mut each = pieces.chunk_by(|a, b| Arc::ptr_eq(&a.flow, &b.flow)).map(|pieces| {
-        let [first, ..] = pieces else { return Ok(Mat::identity(states, states)) };
-        first.flow.transition(states, pieces.iter().map(|piece| piece.length).sum())
-    });
-    each.try_fold(Mat::identity(states, states), |before, step| Ok(step? * before))
+impl ForcedStructure {
+    /// The derivative of the last state with respect to the first: a product of exponentials, since nothing jumps at a
+    /// contact instant. All steps between two instants have one exponential together, but for laws of force, whose
+    /// reactions follow the state of each step.
+    pub(super) fn transition(&self, pieces: &[Piece]) -> Result<Mat<f64>, TimestepError> {
+        let states = self.n_states();
+        let unit = Mat::identity(states, states);
+        if !self.laws.is_empty() {
+            let mut laws = LawTransitions::new(self);
+            return pieces.iter().try_fold(unit, |before, piece| Ok(laws.over(piece)? * before));
+        }
+        let mut each = pieces.chunk_by(|a, b| Arc::ptr_eq(&a.flow, &b.flow)).map(|pieces| {
+            let [first, ..] = pieces else { return Ok(Mat::identity(states, states)) };
+            first.flow.transition(states, pieces.iter().map(|piece| piece.length).sum())
+        });
+        each.try_fold(unit, |before, step| Ok(step? * before))
+    }
 }
 
 /// A contact whose guard is negative beyond rounding: its set does not belong to this state.

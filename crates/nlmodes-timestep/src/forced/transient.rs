@@ -2,7 +2,6 @@ use std::f64::consts::TAU;
 
 use super::flow::Flow;
 use super::input::fits;
-use super::laws::LawSteps;
 use super::series::{ORDER, Polynomial, Series};
 use super::trajectory::{Piece, Propagator, Running};
 use super::{ForcedStructure, Signal};
@@ -32,8 +31,6 @@ pub struct TransientSettings<'a> {
 pub struct Stretch<'a> {
     structure: &'a ForcedStructure,
     piece: &'a Piece,
-    /// Which stops with a law of force act.
-    acting: &'a [bool],
 }
 
 /// A quantity along an interval.
@@ -80,7 +77,7 @@ impl Stretch<'_> {
     pub fn is_closed(&self, contact: usize) -> bool {
         match contact.checked_sub(self.flow().closed.len()) {
             None => self.flow().closed[contact],
-            Some(stop) => self.acting[stop],
+            Some(stop) => self.piece.acting[stop],
         }
     }
 
@@ -137,7 +134,7 @@ impl Stretch<'_> {
     fn approach(&self, contact: usize) -> f64 {
         match self.law_of(contact) {
             None => -self.along(self.flow().watched[contact].from(&self.piece.w)).at(self.length())[1],
-            Some((law, _)) => self.along(self.flow().laws[law].from(&self.piece.w)).at(self.length())[1],
+            Some((law, _)) => self.along(self.flow().laws[law].place.from(&self.piece.w)).at(self.length())[1],
         }
     }
 
@@ -221,22 +218,15 @@ impl ForcedStructure {
         driven.renew(0.0, &mut w);
         let mut running = propagator.start(w, 0.0)?;
         let n = self.n_contacts() + self.n_law_stops();
-        let mut laws = LawSteps::new(self);
-        laws.begin(&running);
         let mut touches = Touches { current: vec![None; n], approach: vec![0.0; n] };
         while running.t < duration {
             driven.go_on_early(&mut running);
-            let mut until = driven.until().min(duration);
-            if !self.laws.is_empty() {
-                until = laws.go(&mut running, until)?;
-            }
-            let Some(piece) = propagator.advance(&mut running, until)? else {
+            let Some(piece) = propagator.advance(&mut running, driven.until().min(duration))? else {
                 driven.go_on(&mut running);
                 continue;
             };
-            let acting = laws.acting.clone();
-            let switched = laws.end(running.t) || piece.flow.closed != running.flow.closed;
-            let stretch = Stretch { structure: self, piece: &piece, acting: &acting };
+            let switched = running.has_switched || piece.flow.closed != running.flow.closed;
+            let stretch = Stretch { structure: self, piece: &piece };
             touches.take(&stretch, switched, touched);
             if !observe(&stretch, switched) {
                 return Err(TimestepError::Ended);

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use nlmodes_linalg::Mat;
-use nlmodes_timestep::{ForcedMotion, ForcedStructure, TimestepError};
+use nlmodes_timestep::{Flash, ForcedMotion, ForcedStructure, TimestepError};
 use num_complex::Complex64;
 
 /// Units in which the rod of two elements is given: stiffness `EA/L`, mass, length.
@@ -84,6 +84,27 @@ fn the_rod_of_two_elements_has_the_three_responses_that_are_known() {
             assert!((input / (trace * speeds.sum::<f64>()) - 1.0).abs() < 1e-8);
         }
     }
+}
+
+/// By multiple shooting, from states that are off by a hundredth but for the first.
+#[test]
+fn a_motion_through_several_states_is_that_from_one() {
+    let rod = Rod { stiffness: 1.0, mass: 1.0, gap: 1.0 };
+    let structure = rod.structure();
+    let motion = rod.near(0.2, 0.42, 1.52905305744, 160.714754);
+    for parts in [2, 5, 16] {
+        let mut states = vec![motion.state.clone()];
+        let mut take = |Flash { state: x, .. }: Flash<'_>| {
+            states.push(x.iter().map(|v| 1.01 * v).collect());
+            states.len() < parts
+        };
+        structure.flash((rod.level(0.2), motion.omega), &motion.state, parts, &mut take).unwrap();
+        let found = structure.periodic_through(rod.level(0.2), motion.omega, 1, &states).unwrap();
+        let off = found.state.iter().zip(&motion.state).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+        assert!(off < 1e-12 && (found.multipliers[0] - motion.multipliers[0]).norm() < 1e-9, "{parts}: {off:e}");
+        assert!((found.closed_share(0) - motion.closed_share(0)).abs() < 1e-12);
+    }
+    assert!(structure.periodic_through(1.0, 1.0, 1, &[]).is_err());
 }
 
 #[test]

@@ -5,7 +5,10 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use nlmodes_linalg::Mat;
-use nlmodes_timestep::{ForcedStructure, LawSettings, TimeLaw, TimestepError, Touch, TransientSettings};
+use nlmodes_timestep::{
+    DEGREE, Flash, ForcedStructure, LawSettings, Signal, SignalPiece, TimeLaw, TimestepError, Touch, TransientSettings,
+};
+use num_complex::Complex64;
 
 /// `F = k v + κ v³ + c v̇`.
 #[derive(Debug)]
@@ -188,4 +191,135 @@ fn a_law_that_jumps_is_refused_where_it_does() {
     let settings = TransientSettings { duration: 10.0, signals: &[], blows: &[] };
     let found = structure.transient(&[3.0, 0.0], &settings, &mut |_, _| true, &mut |_| ());
     assert!(matches!(found, Err(TimestepError::LawStep { .. })), "{found:?}");
+}
+
+/// `cos(ω t + phase)` times a level, in pieces of a twentieth of a radian.
+struct Turning(f64, f64, f64);
+
+impl Signal for Turning {
+    fn piece(&self, from: f64) -> SignalPiece {
+        let &Turning(level, omega, phase) = self;
+        let mut coefficients = [0.0; DEGREE + 1];
+        let mut factor = level;
+        for (k, c) in coefficients.iter_mut().enumerate() {
+            *c = factor * (omega * from + phase + 0.5 * PI * k as f64).cos();
+            factor *= omega / (k + 1) as f64;
+        }
+        SignalPiece { coefficients, until: from + 0.05 / omega, continues: true }
+    }
+}
+
+const LOAD: [Complex64; 2] = [Complex64::new(0.5, 0.1), Complex64::new(0.2, -0.3)];
+const MOVES_GAP: Complex64 = Complex64::new(0.02, 0.01);
+const MOVES_LAWS: [Complex64; 2] = [Complex64::new(0.03, -0.01), Complex64::new(-0.01, 0.02)];
+
+/// Two modes before a stop, with a cubic spring with a damper and a stop with a law, under a periodic load that moves
+/// gap and laws beyond the modes; as a load of the structure, or as two inputs, those of its real and imaginary part.
+fn under_a_load(is_input: bool) -> ForcedStructure {
+    let damping = Mat::from_fn(2, 2, |i, j| [[0.06, 0.01], [0.01, 0.2]][i][j]);
+    let rows = Mat::from_fn(1, 2, |_, j| [-1.2, 0.4][j]);
+    let compliance = Mat::from_fn(1, 1, |_, _| 0.05);
+    let mut structure = ForcedStructure::new(&[1.0, 6.0], &damping, &rows, &compliance, &[0.5]).unwrap();
+    let parts: [fn(Complex64) -> f64; 2] = [|z| z.re, |z| -z.im];
+    match is_input {
+        true => parts.iter().for_each(|of| structure.push_input(&LOAD.map(of), &[of(MOVES_GAP)]).unwrap()),
+        false => structure.push_load(1, &LOAD, &[MOVES_GAP]).unwrap(),
+    }
+    let smooth = Smooth { k: 0.2, cubic: 0.8, c: 0.05 };
+    let laws: [Arc<dyn TimeLaw>; 2] = [Arc::new(smooth), Arc::new(Stop { k: 20.0, exponent: 1.5, gap: 0.4 })];
+    let (modes, contacts) = ([[0.9, -0.5], [-0.7, 0.6]], [0.02, -0.01]);
+    let among = [vec![0.01], vec![0.003, 0.02]];
+    for (l, law) in laws.into_iter().enumerate() {
+        let moves = MOVES_LAWS[l];
+        let by_inputs: Vec<f64> = if is_input { parts.map(|of| of(moves)).to_vec() } else { Vec::new() };
+        structure.push_law(law, &modes[l], &[contacts[l]], &[by_inputs, among[l].clone()].concat()).unwrap();
+        structure.move_law(if is_input { &[] } else { std::slice::from_ref(&moves) }).unwrap();
+    }
+    assert!(structure.move_law(&[MOVES_GAP; 2]).is_err());
+    structure
+}
+
+#[test]
+fn laws_under_a_periodic_load_are_those_under_the_same_load_in_time() {
+    let (level, omega, state) = (0.9, 0.8, [0.3, -0.2, 0.4, 0.1]);
+    let periodic = under_a_load(false).after(level, omega, 3, &state).unwrap();
+    let [cos, sin] = [0.0, -0.5 * PI].map(|phase| Turning(level, omega, phase));
+    let settings = TransientSettings { duration: 6.0 * PI / omega, signals: &[&cos, &sin], blows: &[] };
+    let mut touches = [0, 0];
+    let mut count = |touch: Touch| touches[touch.contact] += 1;
+    let in_time = under_a_load(true).transient(&state, &settings, &mut |_, _| true, &mut count).unwrap();
+    assert!(touches[0] > 1 && touches[1] > 1, "{touches:?}");
+    assert!(distance(&periodic, &in_time) < 1e-9, "{periodic:?} {in_time:?}");
+}
+
+#[test]
+fn a_periodic_motion_with_laws_comes_back_and_its_multipliers_are_those_of_differences() {
+    let structure = under_a_load(false);
+    for (level, omega) in [(0.9, 0.8), (2.0, 1.3)] {
+        let near = structure.after(level, omega, 60, &[0.0; 4]).unwrap();
+        let motion = structure.periodic(level, omega, 1, &near).unwrap();
+        assert!(motion.touches(0) > 0 && motion.residual < 1e-10, "{} {:e}", motion.touches(0), motion.residual);
+        let step = 1e-5;
+        let column = |j: usize| {
+            let [up, down] = [step, -step].map(|h| {
+                let moved: Vec<f64> = (0..4).map(|i| motion.state[i] + if i == j { h } else { 0.0 }).collect();
+                structure.after(level, omega, 1, &moved).unwrap()
+            });
+            (0..4).map(|i| (up[i] - down[i]) / (2.0 * step)).collect::<Vec<f64>>()
+        };
+        let columns: Vec<Vec<f64>> = (0..4).map(column).collect();
+        let jacobian = Mat::from_fn(4, 4, |i, j| columns[j][i]);
+        let square = &jacobian * &jacobian;
+        let [trace, of_square] = [&jacobian, &square].map(|of| (0..4).map(|i| of[(i, i)]).sum::<f64>());
+        let sum = |power: i32| motion.multipliers.iter().map(|z| z.powi(power)).sum::<Complex64>().re;
+        assert!((trace - sum(1)).abs() < 1e-6, "{trace} {}", sum(1));
+        assert!((of_square - sum(2)).abs() < 1e-6, "{of_square} {}", sum(2));
+        // Several states of it, each off by a hundredth, lead to the same motion.
+        let mut states = vec![motion.state.iter().map(|v| 1.01 * v).collect::<Vec<f64>>()];
+        let mut take = |Flash { state: x, .. }: Flash<'_>| {
+            states.push(x.iter().map(|v| 1.01 * v).collect());
+            states.len() < 4
+        };
+        structure.flash((level, omega), &motion.state, 4, &mut take).unwrap();
+        let through = structure.periodic_through(level, omega, 1, &states).unwrap();
+        assert!(distance(&through.state, &motion.state) < 1e-8, "{:?} {:?}", through.state, motion.state);
+    }
+}
+
+/// Duffing's oscillator under the load of which `A cn(p t | m)` is the response: `ẍ + 2 ζ ẋ + x + κ x³` with
+/// `p² = α + κ A²`, `m = κ A²/(2 p²)` in place of the one. Fourier coefficients of cn by its nome.
+#[test]
+fn duffings_oscillator_follows_a_load_of_elliptic_functions() {
+    let (cubic, amplitude, alpha, ratio) = (0.7, 1.3_f64, 0.6, 0.05);
+    let p = (alpha + cubic * amplitude * amplitude).sqrt();
+    let m = cubic * amplitude * amplitude / (2.0 * p * p);
+    let complete = |m: f64| {
+        let (mut a, mut g) = (1.0, (1.0 - m).sqrt());
+        for _ in 0..30 {
+            (a, g) = (0.5 * (a + g), (a * g).sqrt());
+        }
+        PI / (2.0 * a)
+    };
+    let (k, nome) = (complete(m), (-PI * complete(1.0 - m) / complete(m)).exp());
+    let omega = PI * p / (2.0 * k);
+    let mut structure = free_damped(2.0 * ratio);
+    for n in (0..14).map(|j| 2 * j + 1) {
+        let q = nome.powf(0.5 * n as f64);
+        let x = amplitude * 2.0 * PI / (m.sqrt() * k) * q / (1.0 + q * q);
+        // (1 − α) x + 2 ζ ẋ
+        let force = Complex64::new(1.0 - alpha, 2.0 * ratio * n as f64 * omega) * x;
+        structure.push_load(n, &[force], &[]).unwrap();
+    }
+    structure.push_law(Arc::new(Smooth { k: 0.0, cubic, c: 0.0 }), &[1.0], &[], &[0.0]).unwrap();
+    structure.move_law(&[Complex64::default(); 14]).unwrap();
+    let motion = structure.periodic(1.0, omega, 1, &[1.2, 0.1]).unwrap();
+    assert!(distance(&motion.state, &[amplitude, 0.0]) < 1e-10, "{:?}", motion.state);
+    let product: Complex64 = motion.multipliers.iter().product();
+    assert!((product.re / (-2.0 * ratio * motion.period()).exp() - 1.0).abs() < 1e-10, "{product}");
+}
+
+/// One mode of 1 rad/s with a damper.
+fn free_damped(damping: f64) -> ForcedStructure {
+    let one = Mat::from_fn(1, 1, |_, _| damping);
+    ForcedStructure::new(&[1.0], &one, &Mat::zeros(0, 1), &Mat::zeros(0, 0), &[]).unwrap()
 }

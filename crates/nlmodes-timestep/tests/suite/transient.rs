@@ -3,7 +3,9 @@
 use std::f64::consts::{PI, TAU};
 
 use nlmodes_linalg::Mat;
-use nlmodes_timestep::{Blow, DEGREE, ForcedStructure, Signal, SignalPiece, TimestepError, Touch, TransientSettings};
+use nlmodes_timestep::{
+    Blow, DEGREE, Flash, ForcedStructure, Signal, SignalPiece, TimestepError, Touch, TransientSettings,
+};
 use num_complex::Complex64;
 
 /// `a cos(ω t + phase)` in pieces of a twentieth of a radian: what a Taylor polynomial leaves over is 1e-15.
@@ -228,7 +230,7 @@ fn a_periodic_motion_with_touches_stays_one_under_its_load_in_time() {
     assert!(transient.distance(&end, &motion.state) < 1e-11, "{}", transient.distance(&end, &motion.state));
     // The shown states of a period are those on the way.
     let mut seen = Vec::new();
-    let mut look = |x: &[f64], _: &[f64]| {
+    let mut look = |Flash { state: x, .. }: Flash<'_>| {
         seen.push(x.to_vec());
         seen.len() < 8
     };
