@@ -75,7 +75,7 @@ pub use nlmodes_modal::{BranchEnd, EndReason, Event, Stability};
 pub use curve::{ResponseCurve, ResponsePoint, curve_end, energy_bound, frequency_bound};
 pub use damping::{Damping, Dashpot};
 pub use error::ResponseError;
-pub use exact::exact_structure;
+pub use exact::{exact_structure, push_laws};
 pub use finer::{FinerPoint, FinerSettings};
 pub use history::{ContactPattern, ContactState};
 pub use model::{ResponseModel, Weights};

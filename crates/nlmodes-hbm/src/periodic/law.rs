@@ -113,7 +113,10 @@ impl ModalStructure {
     }
 
     /// The same structure without what dissipates.
-    pub(crate) fn conservative(&self) -> Result<Self, HbmError> {
+    ///
+    /// # Errors
+    /// [`HbmError::Size`], not for the damping of none.
+    pub fn conservative(&self) -> Result<Self, HbmError> {
         let mut structure = self.with_damping(super::damping::ModalDamping::none(self.n_modes()))?;
         let left = |(l, placed): (usize, &PlacedLaw)| match placed.law.dissipates() {
             false => Some((l, placed.law.clone())),

@@ -2,6 +2,7 @@ use nlmodes_continuation::ContinuationError;
 use nlmodes_hbm::HbmError;
 use nlmodes_linalg::rounded;
 use nlmodes_model::reduction::ReductionError;
+use nlmodes_timestep::TimestepError;
 use thiserror::Error;
 
 /// Why a response cannot be computed at all; a curve that ends early is not an error.
@@ -144,6 +145,9 @@ pub enum ResponseError {
     /// The reduction.
     #[error("the reduced structure")]
     Reduction(#[from] ReductionError),
+    /// The structure in time.
+    #[error("the structure in time")]
+    Integration(#[from] TimestepError),
     /// The continuation.
     #[error("the curve")]
     Continuation(#[from] ContinuationError<HbmError>),
