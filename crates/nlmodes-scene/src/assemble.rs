@@ -25,7 +25,7 @@ use nlmodes_io::{ContactError, DofLabel, ReadError, find_contacts};
 use nlmodes_linalg::{Digits, LinalgError};
 use thiserror::Error;
 
-pub use open::{NodeContacts, OpenStructure, dofs, free_modes, node_contacts};
+pub use open::{NodeContacts, OpenStructure, dofs, free_modes, law_contacts, node_contacts};
 pub use places::{Body, node_weights, row_weights};
 pub use reduced::{PictureMesh, ReducedElsewhere, ReducedProblem};
 pub use shared::Structures;

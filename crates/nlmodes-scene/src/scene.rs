@@ -27,7 +27,7 @@ pub use continuation::{Continuation, Start};
 pub use output::{Directory, Output, OutputFiles, Overlay, Requirement};
 pub use parts::{GroundSpring, MassPoint, Refined, Segment};
 pub use records::{RecordScene, SegmentRule, SegmentTold};
-pub use reduced::{Flexibility, Numbers, Picture, ReducedModel, RowContact};
+pub use reduced::{Flexibility, LawContact, Numbers, Picture, ReducedModel, RowContact};
 pub use reduction::{Matrices, Reduction, SceneStructure};
 pub use response::{BaseDirection, BaseMotion, Damping, Dashpot, Force, ModeDamping, Place, Response};
 pub use sensitivity::{SceneState, Sensitivity};
@@ -117,14 +117,21 @@ impl Scene {
     pub fn n_contact_tables(&self) -> usize {
         match &self.structure {
             SceneStructure::Straight(_) | SceneStructure::Several(_) => self.contacts.len(),
-            SceneStructure::Matrices(matrices) => matrices.contacts.len(),
-            SceneStructure::Reduced(model) => model.row_contacts.len(),
+            SceneStructure::Matrices(matrices) => matrices.contacts.len() + matrices.law_contacts.len(),
+            SceneStructure::Reduced(model) => model.row_contacts.len() + model.law_contacts.len(),
         }
     }
 
     /// Whether a spring or a stop has a law of force.
     pub fn has_laws(&self) -> bool {
-        !self.springs.is_empty() || self.contacts.iter().any(|contact| contact.hertz.is_some())
+        let has_stops = match &self.structure {
+            SceneStructure::Straight(_) | SceneStructure::Several(_) => {
+                self.contacts.iter().any(|contact| contact.hertz.is_some())
+            }
+            SceneStructure::Matrices(matrices) => !matrices.law_contacts.is_empty(),
+            SceneStructure::Reduced(model) => !model.law_contacts.is_empty(),
+        };
+        !self.springs.is_empty() || has_stops
     }
 
     /// Whether nothing in it is nonlinear: no stop, and no spring with a law of force.

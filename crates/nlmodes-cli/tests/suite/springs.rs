@@ -261,3 +261,66 @@ fn jumps_are_where_sweeps_in_time_jump() -> Outcome {
     assert!(level["peak"]["amplitude_m"].as_f64() > Some(1.0), "{level}");
     Ok(())
 }
+
+/// Two masses of 1 kg on springs of 1 N/m before a Hertz stop: as a rod, as matrices, and reduced elsewhere.
+#[test]
+fn hertz_stops_of_nodes_and_rows_are_those_of_a_rod() -> Outcome {
+    let folder = tempdir()?;
+    for (name, text) in [
+        ("k.mtx", "%%MatrixMarket matrix coordinate real symmetric\n2 2 3\n1 1 2\n2 1 -1\n2 2 1\n"),
+        ("m.mtx", "%%MatrixMarket matrix coordinate real symmetric\n2 2 2\n1 1 1\n2 2 1\n"),
+        ("d.csv", "row,node,component\n0,1,ux\n1,2,ux\n"),
+    ] {
+        fs::write(folder.path().join(name), text)?;
+    }
+    let stop = "gap_m = 1.0\nstiffness_hertz_n_m15 = 150.0\ndissipation_s_m = 0.1\n";
+    let end = |force: &str| {
+        format!(
+            "[damping]\nrayleigh = {{ stiffness_s = 0.03 }}\n[[force]]\n{force}\n[[response]]\nkind = \"frequency\"\n\
+             frequency_hz = [0.10, 0.11]\nlevels_n = [0.3]\n[method]\nharmonics = 10\n[output]\nfigures = false\n\
+             page = false\n"
+        )
+    };
+    let rod = format!(
+        "[structure]\nkind = \"rod\"\nlength_m = 2.0\nelements = 2\nmass_matrix = \"lumped\"\nstart = \"clamped\"\n\
+         material = {{ youngs_modulus_pa = 1.0, density_kg_m3 = 1.0 }}\nsection = {{ area_m2 = 1.0 }}\n\
+         [[structure.mass_point]]\nat_m = 2.0\nmass_kg = 0.5\n[[contact]]\nat_m = 2.0\ndirection = \"axial\"\n\
+         side = \"positive\"\n{stop}{}",
+        end("at_m = 1.0\ndirection = \"axial\"")
+    );
+    let matrices = format!(
+        "[structure]\nkind = \"matrices\"\nstiffness = \"k.mtx\"\nmass = \"m.mtx\"\ndofs = \"d.csv\"\n[[contact]]\n\
+         node = 2\nnormal = [1.0, 0.0, 0.0]\n{stop}[reduction]\nkind = \"open-modes\"\nmodes = 2\n{}",
+        end("node = 1\ndirection = [1.0, 0.0, 0.0]")
+    );
+    // Eigenvalues (3 ∓ √5)/2, and their vectors.
+    let root = 5.0_f64.sqrt();
+    let hz = [(3.0 - root) / 2.0, (3.0 + root) / 2.0].map(|square: f64| square.sqrt() / std::f64::consts::TAU);
+    let of = |square: f64| [1.0, 2.0 - square].map(|v| v / (1.0 + (2.0 - square).powi(2)).sqrt());
+    let [a, b] = [of((3.0 - root) / 2.0), of((3.0 + root) / 2.0)];
+    let reduced = format!(
+        "[structure]\nkind = \"reduced\"\nfrequencies_hz = [{:.17}, {:.17}]\n\
+         contact_rows = [[{:.17}, {:.17}], [{:.17}, {:.17}]]\nflexibility_m_n = [[1.0, 1.0], [1.0, 2.0]]\n[[contact]]\n\
+         row = 2\n{stop}{}",
+        hz[0],
+        hz[1],
+        a[0],
+        b[0],
+        a[1],
+        b[1],
+        end("row = 1")
+    );
+    let expected = run(folder.path(), &rod)?;
+    assert!(expected.iter().any(|row| row["peak_contact_force_n"] > 1.0));
+    for text in [matrices, reduced] {
+        let found = run(folder.path(), &text)?;
+        assert_eq!(found.len(), expected.len());
+        for (own, other) in found.iter().zip(&expected) {
+            for column in ["frequency_hz", "fundamental_m", "peak_contact_force_n"] {
+                let (a, b) = (own[column], other[column]);
+                assert!((a - b).abs() <= 1e-8 * b.abs().max(1e-3), "{column}: {a} {b}");
+            }
+        }
+    }
+    Ok(())
+}

@@ -7,10 +7,12 @@ use nlmodes::hbm::{
     Bilinear, Exponential, ForceLaw, HertzStop, ModeStart, Polynomial, PowerDamper, PowerSpring, TableLaw,
 };
 use nlmodes::response::{ResponseModel, Weights};
+use nlmodes_io::NodeContact;
 use nlmodes_scene::SceneFile;
-use nlmodes_scene::scene::{Hertz, Place, Side, SpringLaw};
+use nlmodes_scene::assemble::{Structures, law_contacts};
+use nlmodes_scene::scene::{Contact, Hertz, LawContact, Place, RowContact, SceneStructure, Side, SpringLaw};
 
-use crate::{RunError, chain, two_columns};
+use crate::{RunError, chain, refusal, two_columns};
 
 /// Instants of a period at which laws are evaluated that are no polynomials: with slopes that are continuous, forces
 /// are then right to 1e-7 and better.
@@ -35,6 +37,7 @@ pub fn add(
     file: &SceneFile,
     response: &mut ResponseModel,
     at: &dyn Fn(&str, &Place) -> Result<Weights, RunError>,
+    structures: &Structures,
 ) -> Result<Laws, RunError> {
     let scene = &file.scene;
     let mut springs = Vec::new();
@@ -55,7 +58,7 @@ pub fn add(
             ["where both come to rest is not computed: give the law about that place, and gaps that are open there"];
         return Err(file.error_at("contact", title, "expected gaps that are not negative", &help).into());
     }
-    let stops = stops(file, response, at)?;
+    let stops = stops(file, response, at, structures)?;
     let of = &scene.continuation;
     let amplitude = of.start_amplitude_m.map(ModeStart::Amplitude);
     response.set_mode_start(amplitude.or(of.start_energy_j.map(ModeStart::Energy)).unwrap_or_default());
@@ -67,26 +70,81 @@ fn stops(
     file: &SceneFile,
     response: &mut ResponseModel,
     at: &dyn Fn(&str, &Place) -> Result<Weights, RunError>,
+    structures: &Structures,
 ) -> Result<Vec<(Weights, f64)>, RunError> {
     let mut stops = Vec::new();
-    for (i, contact) in file.scene.contacts.iter().enumerate() {
-        let Some(Hertz { stiffness, exponent, dissipation }) = contact.hertz else { continue };
-        let path = format!("contact.{i}.at_m");
-        let place = |structure, at| Place::Along { at, direction: contact.direction, structure };
-        let toward = if contact.side == Side::Positive { 1.0 } else { -1.0 };
-        let own = at(&path, &place(contact.structure, contact.at))?.into_iter().map(|(dof, w)| (dof, toward * w));
-        let mut weights: Weights = own.collect();
-        if let Some(other) = contact.against {
-            let other = at(&path, &place(other.structure, other.at))?;
-            weights.extend(other.into_iter().map(|(dof, w)| (dof, -toward * w)));
+    for Stop { table, toward, away, gap, law } in placed(file, structures)? {
+        let path =
+            format!("contact.{table}.{}", if matches!(toward, (Place::Along { .. }, _)) { "at_m" } else { "gap_m" });
+        let mut weights = Weights::new();
+        for (place, sign) in [Some(toward), away].into_iter().flatten() {
+            weights.extend(at(&path, &place)?.into_iter().map(|(dof, w)| (dof, sign * w)));
         }
-        let law = HertzStop { stiffness, exponent, gap: contact.gap, dissipation };
+        let Hertz { stiffness, exponent, dissipation } = law;
+        let law = HertzStop { stiffness, exponent, gap, dissipation };
         response
             .add_law(&weights, Arc::new(law), SAMPLES)
-            .map_err(|error| file.error_at(&format!("contact.{i}"), &chain(&error), "here", &[]))?;
-        stops.push((weights, contact.gap));
+            .map_err(|error| file.error_at(&format!("contact.{table}"), &chain(&error), "here", &[]))?;
+        stops.push((weights, gap));
     }
     Ok(stops)
+}
+
+/// A stop with a law of force: its table, what moves toward it and what it touches with their signs, its clearance.
+struct Stop {
+    table: usize,
+    toward: (Place, f64),
+    away: Option<(Place, f64)>,
+    gap: f64,
+    law: Hertz,
+}
+
+/// The stops of a scene with a law of force, in the order of their tables.
+fn placed(file: &SceneFile, structures: &Structures) -> Result<Vec<Stop>, RunError> {
+    let sign = |side| if side == Side::Positive { 1.0 } else { -1.0 };
+    let along = |(table, contact): (usize, &Contact)| {
+        let place = |structure, at| Place::Along { at, direction: contact.direction, structure };
+        let toward = sign(contact.side);
+        Some(Stop {
+            table,
+            toward: (place(contact.structure, contact.at), toward),
+            away: contact.against.map(|other| (place(other.structure, other.at), -toward)),
+            gap: contact.gap,
+            law: contact.hertz?,
+        })
+    };
+    let scene = &file.scene;
+    Ok(match &scene.structure {
+        SceneStructure::Straight(_) | SceneStructure::Several(_) => {
+            scene.contacts.iter().enumerate().filter_map(along).collect()
+        }
+        SceneStructure::Reduced(model) => {
+            let first = model.row_contacts.len();
+            let of_row = |(i, of): (usize, &LawContact<RowContact>)| Stop {
+                table: first + i,
+                toward: (Place::Row { row: of.contact.row }, sign(of.contact.side)),
+                away: None,
+                gap: of.contact.gap,
+                law: of.hertz,
+            };
+            model.law_contacts.iter().enumerate().map(of_row).collect()
+        }
+        SceneStructure::Matrices(matrices) => {
+            let first = matrices.contacts.len();
+            let found = law_contacts(scene, structures).map_err(|error| refusal::at(file, &error.path(), &error))?;
+            let of_node = |(contact, law): (NodeContact, Hertz)| {
+                let at = |node| Place::Node { node, direction: contact.normal };
+                Stop {
+                    table: first + contact.origin,
+                    toward: (at(contact.node), 1.0),
+                    away: contact.against.map(|node| (at(node), -1.0)),
+                    gap: contact.gap,
+                    law,
+                }
+            };
+            found.into_iter().map(of_node).collect()
+        }
+    })
 }
 
 fn law(file: &SceneFile, i: usize, law: &SpringLaw) -> Result<Arc<dyn ForceLaw>, RunError> {

@@ -111,7 +111,7 @@ impl Model {
             }
             Ok(weights)
         };
-        let laws::Laws { springs, stops } = laws::add(file, &mut response, &at)?;
+        let laws::Laws { springs, stops } = laws::add(file, &mut response, &at, structures)?;
         check_mode(file, &response, parts.reduction.as_ref())?;
         let omega = parts.open.omega_squared().get(scene.method.mode - 1).map_or(0.0, |w| w.max(0.0).sqrt());
         let mut beyond_modes = Vec::new();

@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use nlmodes::model::reduction::{ModeCount, OpenModes, ReducedStructure, ReductionError};
 use nlmodes::model::{Contact, Dof, DofKind, StructuralModel};
-use nlmodes_io::{Component, FeModel, NodeContact, find_contacts};
+use nlmodes_io::{Component, ContactChoice, FeModel, NodeContact, find_contacts};
 
 use super::reduced::{self, PictureMesh, ReducedElsewhere};
 use super::{StaticState, Strainless, StructureError, Structures, static_loads};
-use crate::scene::{Matrices, ReducedModel, ReductionKind, Scene, SceneStructure};
+use crate::scene::{Hertz, Matrices, ReducedModel, ReductionKind, Scene, SceneStructure};
 
 /// Open modes reach so many times as far as the highest harmonic, where the scene does not say how far.
 const BEYOND_HARMONICS: f64 = 4.0;
@@ -28,6 +28,20 @@ pub fn node_contacts(scene: &Scene, structures: &Structures) -> Result<Option<No
     let model = structures.model(&matrices.files)?;
     let found = find_contacts(&model, &matrices.files, &matrices.contacts)?;
     Ok(Some((model, found)))
+}
+
+/// The contacts of nodes whose stops have a law of force, each with its law.
+///
+/// # Errors
+/// As [`node_contacts`].
+pub fn law_contacts(scene: &Scene, structures: &Structures) -> Result<Vec<(NodeContact, Hertz)>, StructureError> {
+    let Some(matrices) = scene.structure.matrices().filter(|matrices| !matrices.law_contacts.is_empty()) else {
+        return Ok(Vec::new());
+    };
+    let model = structures.model(&matrices.files)?;
+    let choices: Vec<ContactChoice> = matrices.law_contacts.iter().map(|law| law.contact.clone()).collect();
+    let found = find_contacts(&model, &matrices.files, &choices)?;
+    Ok(found.into_iter().map(|contact| (contact.clone(), matrices.law_contacts[contact.origin].hertz)).collect())
 }
 
 /// A structure in open modes, and what its rows and contacts are called.

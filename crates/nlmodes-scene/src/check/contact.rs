@@ -1,6 +1,6 @@
 mod hertz;
 
-pub use hertz::check as check_laws;
+pub use hertz::{check as check_laws, law, order as order_of_laws};
 
 use nlmodes_fem::Mesh;
 
@@ -56,7 +56,7 @@ fn sound(i: usize, raw: &RawContact, bodies: &[Body<'_>], diagnostics: &mut Diag
         Some(other) => Some(facing(i, raw, other, body, bodies, diagnostics)?),
         None => None,
     };
-    let hertz = hertz::law(i, raw, diagnostics);
+    let hertz = hertz::law(i, raw.into(), diagnostics);
     let node = node?;
     free.then_some(Contact {
         hertz,

@@ -6,8 +6,9 @@ use nlmodes_io::{
     Address, ContactChoice, ContactNodes, FeFiles, Format, GapChoice, NodeChoice, NormalChoice, Partner, UnitSystem,
 };
 
+use super::contact::{law, order_of_laws};
 use crate::raw::{NameOrNumbers, NumberOrName, RawMatrices, RawMatrixScene, RawNodeContact, RawNormal};
-use crate::scene::Matrices;
+use crate::scene::{Hertz, LawContact, Matrices};
 use crate::{Diagnostic, Diagnostics};
 
 /// The files and the contacts that are sound; paths count from `base`.
@@ -15,8 +16,19 @@ pub fn check(raw: &RawMatrixScene, base: &Path, diagnostics: &mut Diagnostics<'_
     let files = files(&raw.structure, base, diagnostics);
     let contacts = raw.contact.iter().flatten().enumerate();
     let contacts: Vec<Option<ContactChoice>> = contacts.map(|(i, raw)| contact(raw, i, base, diagnostics)).collect();
+    let written = raw.contact.iter().flatten().enumerate();
+    let laws: Vec<Option<Hertz>> = written.map(|(i, raw)| law(i, raw.into(), diagnostics)).collect();
+    order_of_laws(&laws.iter().map(Option::is_some).collect::<Vec<_>>(), diagnostics);
     let units_are_assumed = raw.structure.units.is_none();
-    Some(Matrices { files: files?, contacts: contacts.into_iter().collect::<Option<_>>()?, units_are_assumed })
+    let all = contacts.into_iter().collect::<Option<Vec<_>>>()?;
+    let (mut contacts, mut law_contacts) = (Vec::new(), Vec::new());
+    for (contact, hertz) in all.into_iter().zip(laws) {
+        match hertz {
+            Some(hertz) => law_contacts.push(LawContact { contact, hertz }),
+            None => contacts.push(contact),
+        }
+    }
+    Some(Matrices { files: files?, contacts, law_contacts, units_are_assumed })
 }
 
 fn files(raw: &RawMatrices, base: &Path, diagnostics: &mut Diagnostics<'_>) -> Option<FeFiles> {

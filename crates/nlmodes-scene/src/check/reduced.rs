@@ -4,9 +4,10 @@ use std::path::Path;
 
 use nlmodes_io::UnitSystem;
 
+use super::contact::{law, order_of_laws};
 use super::matrices::parsed;
 use crate::raw::{RawReduced, RawReducedScene, RawRowContact};
-use crate::scene::{Flexibility, Numbers, Picture, ReducedModel, RowContact, Side};
+use crate::scene::{Flexibility, Hertz, LawContact, Numbers, Picture, ReducedModel, RowContact, Side};
 use crate::{Diagnostic, Diagnostics};
 
 /// What another program computed and the contacts, if all of it is sound; paths count from `base`.
@@ -16,7 +17,16 @@ pub fn check(raw: &RawReducedScene, base: &Path, diagnostics: &mut Diagnostics<'
     let flexibility = flexibility(structure, base, diagnostics);
     let written = raw.contact.as_deref().unwrap_or_default();
     let contacts = written.iter().enumerate().map(|(i, raw)| contact(raw, written, i, diagnostics));
-    let row_contacts: Vec<Option<RowContact>> = contacts.collect();
+    let all: Vec<Option<RowContact>> = contacts.collect();
+    let laws: Vec<Option<Hertz>> = written.iter().enumerate().map(|(i, raw)| law(i, raw.into(), diagnostics)).collect();
+    order_of_laws(&laws.iter().map(Option::is_some).collect::<Vec<_>>(), diagnostics);
+    let (mut row_contacts, mut law_contacts) = (Vec::new(), Vec::new());
+    for (contact, hertz) in all.into_iter().collect::<Option<Vec<_>>>()?.into_iter().zip(laws) {
+        match hertz {
+            Some(hertz) => law_contacts.push(LawContact { contact, hertz }),
+            None => row_contacts.push(contact),
+        }
+    }
     Some(ReducedModel {
         frequencies_hz: within(base, &structure.frequencies_hz),
         contact_rows: within(base, &structure.contact_rows),
@@ -28,7 +38,8 @@ pub fn check(raw: &RawReducedScene, base: &Path, diagnostics: &mut Diagnostics<'
             mesh: base.join(&raw.mesh),
         }),
         units: units?,
-        row_contacts: row_contacts.into_iter().collect::<Option<_>>()?,
+        row_contacts,
+        law_contacts,
     })
 }
 

@@ -5,6 +5,7 @@ mod stops;
 use std::collections::HashSet;
 use std::f64::consts::TAU;
 
+use super::structure::hertz;
 use super::{Row, law, row};
 use crate::assemble::OpenStructure;
 use crate::doubts::unplaced_unknowns;
@@ -163,8 +164,11 @@ fn left_open(scene: &Scene, open: &OpenStructure, model: &FeModel) -> Vec<Row> {
 }
 
 fn contacts(matrices: &Matrices, model: &FeModel, contacts: &[NodeContact]) -> Vec<Row> {
+    let first = matrices.contacts.len();
+    let numbered = matrices.law_contacts.iter().enumerate();
+    let laws: Vec<Row> = numbered.map(|(i, law)| row(format!("contact {}", first + i), hertz(&law.hertz))).collect();
     if contacts.is_empty() {
-        return vec![row("contacts", "none".to_owned())];
+        return if laws.is_empty() { vec![row("contacts", "none".to_owned())] } else { laws };
     }
     let gaps = || contacts.iter().map(|contact| contact.gap);
     let (low, high) = (gaps().fold(f64::MAX, f64::min), gaps().fold(f64::MIN, f64::max));
@@ -176,6 +180,7 @@ fn contacts(matrices: &Matrices, model: &FeModel, contacts: &[NodeContact]) -> V
         lines.push(row("", format!("and {} more; all of them:", contacts.len() - LISTED)));
         lines.extend(stops::lines(contacts).into_iter().map(|line| row("", line)));
     }
+    lines.extend(laws);
     lines
 }
 

@@ -1,6 +1,7 @@
 //! What is known of a structure that was reduced elsewhere, so that wrong units and exchanged rows show.
 
 use super::matrices::{FIRST, LISTED, frequencies};
+use super::structure::hertz;
 use super::{Row, law, row};
 use crate::assemble::{OpenStructure, PictureMesh};
 use crate::rule::counted;
@@ -26,6 +27,12 @@ pub fn rows(scene: &Scene, open: Option<&OpenStructure>) -> Vec<Row> {
     ]);
     lines.extend((0..known.rows.min(LISTED)).map(|i| row("", share(open, i))));
     lines.extend(model.row_contacts.iter().enumerate().map(|(i, of)| row(format!("contact {i}"), contact(of))));
+    let first = model.row_contacts.len();
+    lines.extend(model.law_contacts.iter().enumerate().map(|(i, of)| {
+        let (gap, law) = (number(of.contact.gap), hertz(&of.hertz));
+        let text = format!("row {}, on the {} side, gap {gap} m, {law}", of.contact.row, of.contact.side.name());
+        row(format!("contact {}", first + i), text)
+    }));
     lines
 }
 

@@ -135,14 +135,18 @@ fn mesh(structure: &Structure) -> String {
     format!("{elements} {grading}{fitted}{refined}; {dofs} degrees of freedom; {} mass", structure.mass_matrix.name())
 }
 
+/// A law of force of a stop.
+pub fn hertz(law: &Hertz) -> String {
+    let &Hertz { stiffness, exponent, dissipation } = law;
+    let dissipation =
+        if dissipation > 0.0 { format!(", dissipation {} s/m", number(dissipation)) } else { String::new() };
+    format!("{} N times power {} of the approach{dissipation}", number(stiffness), number(exponent))
+}
+
 fn stop(contact: &Contact, several: bool) -> String {
     let law = match contact.hertz {
         None => law(contact.stiffness),
-        Some(Hertz { stiffness, exponent, dissipation }) => {
-            let dissipation =
-                if dissipation > 0.0 { format!(", dissipation {} s/m", number(dissipation)) } else { String::new() };
-            format!("{} N times power {} of the approach{dissipation}", number(stiffness), number(exponent))
-        }
+        Some(law) => hertz(&law),
     };
     if let Some(other) = contact.against {
         return format!(

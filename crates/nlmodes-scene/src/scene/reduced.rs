@@ -3,7 +3,7 @@ use std::path::PathBuf;
 use nlmodes_io::{Address, UnitSystem};
 use serde::{Deserialize, Serialize};
 
-use super::Side;
+use super::{Hertz, Side};
 
 /// A structure of which another program computed free-interface modes and the static flexibility of some displacements,
 /// its rows: those of contacts, and of places where forces act.
@@ -22,6 +22,18 @@ pub struct ReducedModel {
     pub units: UnitSystem,
     /// The tables `[[contact]]`, in the order of the file.
     pub row_contacts: Vec<RowContact>,
+    /// Those whose stop has a law of force, which stand behind the others.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub law_contacts: Vec<LawContact<RowContact>>,
+}
+
+/// A contact whose stop has a law of force: it is no contact of the structural model, but a law beside it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct LawContact<C> {
+    /// Where it is, and its clearance.
+    pub contact: C,
+    /// Its law.
+    pub hertz: Hertz,
 }
 
 /// The displacements of the nodes of a mesh in the modes of a structure that was reduced elsewhere.

@@ -2,7 +2,7 @@ use nlmodes_io::{ContactChoice, FeFiles};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{ReducedModel, ReductionKind, Structure};
+use super::{LawContact, ReducedModel, ReductionKind, Structure};
 
 /// Most modes that a scene may retain.
 const MAX_MODES: u32 = 10_000;
@@ -31,6 +31,9 @@ pub struct Matrices {
     pub files: FeFiles,
     /// The tables `[[contact]]`, in the order of the file.
     pub contacts: Vec<ContactChoice>,
+    /// Those whose stops have a law of force, which stand behind the others.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub law_contacts: Vec<LawContact<ContactChoice>>,
     /// Whether the scene says nothing of the units of the files, so that they are taken for m-kg-s.
     #[serde(skip)]
     pub units_are_assumed: bool,
