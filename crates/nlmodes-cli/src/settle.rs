@@ -22,9 +22,9 @@ pub struct Arguments {
     /// Size of the disturbance, relative to the motion
     #[arg(long, value_name = "SHARE", default_value_t = SettleSettings::default().disturbance)]
     disturbance: f64,
-    /// Maximum number of periods of the load to integrate
-    #[arg(long, value_name = "N", default_value_t = SettleSettings::default().periods)]
-    periods: usize,
+    /// Maximum number of periods of the load to integrate; by default until the slowest mode has decayed
+    #[arg(long, value_name = "N")]
+    periods: Option<usize>,
     /// As JSON
     #[arg(long)]
     json: bool,
@@ -38,7 +38,7 @@ pub fn run(arguments: &Arguments) -> Status {
         Err(error) => {
             say!("error: {}: {}", arguments.results.display(), chain(&error));
             return match error {
-                SettleError::Integration(_) | SettleError::NoMotion { .. } => Status::EndedEarly,
+                SettleError::Integration(_) => Status::EndedEarly,
                 _ => Status::Wrong,
             };
         }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use nlmodes::timestep::TimestepError;
 use nlmodes_run::chain;
+use nlmodes_run::settle::{SettleError, verify_response};
 use nlmodes_run::verify::{Point, VerifyError, verify};
 
 use crate::Status;
@@ -25,12 +26,24 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Status {
     let point = match Point::read(&arguments.results, arguments.point) {
         Ok(point) => point,
+        Err(VerifyError::Responses) => return response(arguments),
         Err(error) => return refuse(arguments, &error, Status::Wrong),
     };
     match verify(&point) {
         Ok(found) => print(found.text(&point).trim_end()),
         Err(error @ TimestepError::TooLarge { .. }) => refuse(arguments, &error.into(), Status::Wrong),
         Err(error) => refuse(arguments, &error.into(), Status::EndedEarly),
+    }
+}
+
+/// Verifies a point of responses.
+fn response(arguments: &Arguments) -> Status {
+    match verify_response(&arguments.results, arguments.point) {
+        Ok(found) => print(found.text().trim_end()),
+        Err(error) => {
+            say!("error: {}: {}", arguments.results.display(), chain(&error));
+            if matches!(error, SettleError::Integration(_)) { Status::EndedEarly } else { Status::Wrong }
+        }
     }
 }
 

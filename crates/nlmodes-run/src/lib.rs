@@ -10,6 +10,7 @@
 //! | [`responses::run`] | damped and forced motions: response curves, phase resonance, damped modes |
 //! | [`transient::run`] | a motion in time under any loads |
 //! | [`settle::settle`] | what the motion of a response's point becomes once it is disturbed |
+//! | `settle::verify_response` | one period of a response from a computed point, and the exact motion next to it |
 //! | [`follow::follow`] | folds, first touches or a mode at an energy over a parameter of the scene |
 //! | [`records::extract`] | measured records to modal points |
 //! | [`virtual_test::run`] | a rig with its loop, level by level |

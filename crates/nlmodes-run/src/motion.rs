@@ -1,9 +1,11 @@
 //! Periodic motions of results, and the states on them.
 
+use std::f64::consts::TAU;
 use std::path::Path;
 
 use nlmodes::linalg::Mat;
 use nlmodes::modal::HarmonicCoefficients;
+use nlmodes::response::Weights;
 use nlmodes_scene::scene::Scene;
 use num_complex::Complex64;
 
@@ -19,6 +21,16 @@ pub struct Motion {
 }
 
 impl Motion {
+    /// A displacement (m) at `n` instants of its period, the first after `1/n` of it.
+    pub fn samples(&self, of: &Weights, n: usize) -> Vec<f64> {
+        let at = |share: f64| -> f64 {
+            let turn = |k: usize| Complex64::cis(TAU * share * k as f64);
+            let dof = |d: usize| self.coefficients.of(d).iter().enumerate().map(|(k, q)| (turn(k) * q).re).sum::<f64>();
+            of.iter().map(|&(d, w)| w * dof(d)).sum()
+        };
+        (1..=n).map(|k| at(k as f64 / n as f64)).collect()
+    }
+
     /// Reads a point of `harmonics.npz`.
     ///
     /// # Errors
@@ -41,11 +53,11 @@ pub fn scene_of(directory: &Path) -> Result<Scene, VerifyError> {
     results::scene_of(directory)
 }
 
-/// The state at the beginning of a period of a motion of the degrees of freedom.
+/// The state of a motion of the degrees of freedom after a share of its period.
 ///
 /// # Errors
 /// Why there is none, in words.
-pub fn state_of(motion: &Motion, model: &Model) -> Result<Vec<f64>, String> {
+pub fn state_of(motion: &Motion, model: &Model, share: f64) -> Result<Vec<f64>, String> {
     let (n, open) = (motion.coefficients.n_coordinates(), model.open_modes());
     if n != open.n_dofs() || model.recorded.len() != n {
         return Err(format!(
@@ -56,7 +68,8 @@ pub fn state_of(motion: &Motion, model: &Model) -> Result<Vec<f64>, String> {
     }
     let at = |d: usize, order: i32| -> f64 {
         let of = motion.coefficients.of(d).iter().enumerate();
-        of.map(|(n, q)| (Complex64::new(0.0, n as f64 * motion.omega).powi(order) * q).re).sum()
+        let turned = |n: usize| Complex64::cis(TAU * share * n as f64);
+        of.map(|(n, q)| (Complex64::new(0.0, n as f64 * motion.omega).powi(order) * turned(n) * q).re).sum()
     };
     let moved = |d: usize| model.moved.get(d).copied().unwrap_or(0.0);
     let q = Mat::from_fn(n, 2, |d, j| if j == 0 { at(d, 0) - moved(d) } else { at(d, 1) });

@@ -6,27 +6,28 @@ mod lines;
 mod near;
 mod search;
 mod text;
+mod verified;
 
 use std::path::Path;
 
-use num_complex::Complex64;
 use serde::Serialize;
 
 pub use error::SettleError;
 use search::Search;
+pub use verified::{ExactResponse, FoundResponse, verify_response};
 
 /// How a point is disturbed, and how long it is followed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SettleSettings {
     /// Size of the disturbance over that of the motion.
     pub disturbance: f64,
-    /// Most periods of the load that are followed.
-    pub periods: usize,
+    /// Most periods of the load that are followed; none for as many as the slowest mode takes to decay.
+    pub periods: Option<usize>,
 }
 
 impl Default for SettleSettings {
     fn default() -> Self {
-        Self { disturbance: 1e-3, periods: 3000 }
+        Self { disturbance: 1e-3, periods: None }
     }
 }
 
@@ -49,10 +50,10 @@ pub struct Settled {
     /// Periods of the load that were integrated.
     pub integrated_periods: usize,
     /// Distance of the first state of the point to the exact motion next to it, over its size: what harmonics leave
-    /// out.
-    pub distance_to_exact: f64,
+    /// out. None where there is no such motion: the state of the point itself is then followed, not disturbed.
+    pub distance_to_exact: Option<f64>,
     /// Largest multiplier of that exact motion: real part, imaginary part.
-    pub multiplier: [f64; 2],
+    pub multiplier: Option<[f64; 2]>,
     /// Displacement of the first contact toward its stop, or of the drive point, in the motion of the point.
     pub before: Size,
 }
@@ -121,24 +122,28 @@ pub enum Becomes {
 /// # Errors
 /// [`SettleError`] if there is no such point, or it is none of a forced response.
 pub fn settle(directory: &Path, point: usize, settings: SettleSettings) -> Result<Settled, SettleError> {
-    for (what, value) in [("disturbance", settings.disturbance), ("periods", settings.periods as f64)] {
+    let periods = settings.periods.map_or(1.0, |periods| periods as f64);
+    for (what, value) in [("disturbance", settings.disturbance), ("periods", periods)] {
         if !(value.is_finite() && value > 0.0) {
             return Err(SettleError::NotPositive { what, value });
         }
     }
-    let search = Search::read(directory, point)?;
+    settled(&Search::read(directory, point)?, settings)
+}
+
+fn settled(search: &Search, settings: SettleSettings) -> Result<Settled, SettleError> {
     let (becomes, integrated_periods) = search.follow(settings)?;
-    let multiplier = search.start.multipliers.first().copied().unwrap_or(Complex64::ZERO);
+    let multiplier = search.start.as_ref().and_then(|start| start.multipliers.first());
     Ok(Settled {
-        point,
-        frequency_hz: search.omega / std::f64::consts::TAU,
-        level: search.level,
+        point: search.at.point,
+        frequency_hz: search.at.omega / std::f64::consts::TAU,
+        level: search.at.level,
         level_unit: search.unit,
         becomes,
         disturbance: settings.disturbance,
         integrated_periods,
-        distance_to_exact: search.off,
-        multiplier: [multiplier.re, multiplier.im],
-        before: search.size(&search.start)?,
+        distance_to_exact: search.off(),
+        multiplier: multiplier.map(|most| [most.re, most.im]),
+        before: search.start.as_ref().map_or(search.before, Search::size),
     })
 }

@@ -193,6 +193,87 @@ fn behind_a_period_doubling_of_an_elastic_stop_the_motion_has_two_periods_and_be
     Ok(())
 }
 
+/// Next to points of three harmonics before a stiff stop there may be no exact motion: the points themselves are
+/// followed, to one of the motions of this frequency.
+#[test]
+fn a_point_without_an_exact_motion_next_to_it_is_followed_from_its_own_state() -> Outcome {
+    let folder = results(&ELASTIC.replace("harmonics = 20", "harmonics = 3").replace("[0.3, 2.0]", "[2.0]"))?;
+    let all = points(folder.path())?;
+    let unstable: Vec<&Point> = all.iter().filter(|p| p.multiplier > 1.3).collect();
+    assert!(unstable.len() > 10, "{}", unstable.len());
+    let mut without = 0;
+    for point in unstable.iter().step_by(unstable.len() / 8) {
+        let found = settled(folder.path(), &point.number)?;
+        assert_eq!(found["distance_to_exact"].is_null(), found["multiplier"].is_null());
+        assert!(found["distance_to_exact"].as_f64().is_none_or(|off| off < 0.1), "{found}");
+        if found["multiplier"].is_null() {
+            without += 1;
+            let size = found["before"]["fundamental_m"].as_f64().ok_or("no amplitude")?;
+            assert!((size / point.amplitude - 1.0).abs() < 1e-6, "{size} {}", point.amplitude);
+        }
+    }
+    assert!(without > 2, "{without}");
+    Ok(())
+}
+
+/// A chain of two masses with a cubic spring, and a Hertz stop in place of the elastic one.
+fn with_laws() -> String {
+    let hertz =
+        ELASTIC.replace("stiffness_n_m = 100.0", "stiffness_hertz_n_m15 = 150.0").replace("kind = \"hbm\"\n", "");
+    let spring = "[[spring]]\nat_m = 1.0\ndirection = \"axial\"\nlaw = { polynomial = [0.0, 0.0, 0.5] }\n[damping]";
+    hertz.replace("[damping]", spring).replace("[0.3, 2.0]", "[0.3]").replace("[0.10, 0.15]", "[0.116, 0.15]")
+}
+
+#[test]
+fn with_laws_of_force_the_exact_motion_has_the_multiplier_of_the_point() -> Outcome {
+    let folder = results(&with_laws())?;
+    let all = points(folder.path())?;
+    // Between the folds.
+    let unstable: Vec<&Point> = all.iter().filter(|p| p.multiplier > 1.2 && p.angle == 0.0).collect();
+    let point = unstable.get(unstable.len() / 2).ok_or("no unstable point")?;
+    let found = settled(folder.path(), &point.number)?;
+    assert_eq!(found["kind"], "other", "{found}");
+    let multiplier = found["multiplier"].as_array().ok_or("no multiplier")?;
+    let size = multiplier.iter().filter_map(Value::as_f64).map(|v| v * v).sum::<f64>().sqrt();
+    assert!((size / point.multiplier - 1.0).abs() < 0.05, "{size} {}", point.multiplier);
+    // A stable one comes back.
+    let stable = all.iter().find(|p| p.multiplier < 0.9 && p.amplitude > 1.0).ok_or("no stable point")?;
+    let found = settled(folder.path(), &stable.number)?;
+    assert_eq!((&found["kind"], &found["returns"]), (&"periodic".into(), &true.into()), "{found}");
+    assert!(found["distance_to_exact"].as_f64().is_some_and(|off| off < 2e-2), "{found}");
+    Ok(())
+}
+
+/// Responses and the nonlinear mode with laws return after a period, the better the more harmonics they have.
+#[test]
+fn points_with_laws_of_force_return_after_a_period() -> Outcome {
+    let missing = |text: &str, of: &str| -> Result<f64, Box<dyn Error>> {
+        let line = text.lines().find(|line| line.starts_with(of)).ok_or_else(|| format!("no {of}: {text}"))?;
+        Ok(line[of.len()..].split_whitespace().next().ok_or("no number")?.parse()?)
+    };
+    let mode = "[[response]]\nkind = \"mode\"\nfrequency_hz = [0.05, 0.3]\n[method]";
+    let scene = with_laws().replace("[method]", mode).replace("[0.116, 0.15]", "[0.10, 0.12]");
+    let mut found: Vec<[f64; 2]> = Vec::new();
+    for harmonics in ["harmonics = 6", "harmonics = 24"] {
+        let folder = results(&scene.replace("harmonics = 20", harmonics))?;
+        let all = points(folder.path())?;
+        let forced = all.iter().rfind(|p| p.level > 0.0 && p.multiplier < 0.95).ok_or("no stable point")?;
+        let mode = all.iter().filter(|p| p.level.is_nan()).nth(12).ok_or("no point of the mode")?;
+        let verified = |point: &Point| -> Result<String, Box<dyn Error>> {
+            let output = call(folder.path(), &["verify", "out", "--point", &point.number])?;
+            assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+            Ok(String::from_utf8(output.stdout)?)
+        };
+        let (of_response, of_mode) = (verified(forced)?, verified(mode)?);
+        assert!(of_response.contains("stable") && !of_mode.contains("exact motion"), "{of_response}\n{of_mode}");
+        let after = "what is missing after it";
+        found.push([missing(&of_response, after)?, missing(&of_mode, after)?]);
+    }
+    let [few, many] = &found[..] else { return Err("two runs".into()) };
+    assert!((0..2).all(|k| many[k] < 1e-3 && many[k] < 0.3 * few[k]), "{few:?} {many:?}");
+    Ok(())
+}
+
 #[test]
 fn what_is_no_point_of_a_response_is_refused_with_what_was_expected() -> Outcome {
     let folder = results(&RIGID.replace("harmonics = 30", "harmonics = 5"))?;

@@ -128,8 +128,8 @@ pub const FILES: [FileMeaning; 29] = [
         meaning: "From `nlmodes-cli settle`: `kind`, what the motion of a point of a response becomes, disturbed along \
             the vector of its largest multiplier (`periodic` with `periods` of the load in one of the motion, \
             `two-lines` with both `frequencies_hz`, `irregular` with the largest values and their spread, `other` \
-            with where it \
-            went), the disturbance, the time that was integrated, and the multipliers",
+            with where it went), the disturbance, the time that was integrated, and of the exact motion next to the \
+            point its distance and largest multiplier; without these two none was found, and the state of the point itself was followed",
         columns: &[],
     },
     FileMeaning {

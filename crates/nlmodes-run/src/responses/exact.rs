@@ -1,10 +1,8 @@
 //! The structure of a scene as the exact integration has it.
 
-use std::sync::Arc;
-
-use nlmodes::hbm::{ForceLaw, ResponseRow};
+use nlmodes::hbm::ResponseRow;
 use nlmodes::response::{Weights, exact_structure};
-use nlmodes::timestep::{ForcedStructure, TimeLaw};
+use nlmodes::timestep::ForcedStructure;
 use nlmodes_scene::SceneFile;
 
 use super::model::Model;
@@ -19,21 +17,6 @@ pub fn structure(file: &SceneFile, model: &Model) -> Result<ForcedStructure, Run
         .map_err(|error| file.error_at("contact", &chain(&error), "here", &[]).into())
 }
 
-/// A law of force in time.
-#[derive(Debug)]
-struct InTime(Arc<dyn ForceLaw>);
-
-impl TimeLaw for InTime {
-    fn at(&self, v: f64, rate: f64) -> [f64; 3] {
-        let at = self.0.at(v, rate);
-        [at.force, at.stiffness, at.damping]
-    }
-
-    fn stop_gap(&self) -> Option<f64> {
-        self.0.stop_gap()
-    }
-}
-
 /// Adds the laws of a model behind the loads of a structure; `moved` tells how far a unit of each of these moves a
 /// place beyond the modes, m.
 ///
@@ -45,20 +28,14 @@ pub fn push_laws(
     structure: &mut ForcedStructure,
     moved: &dyn Fn(&Weights, &ResponseRow) -> Vec<f64>,
 ) -> Result<(), RunError> {
-    let (response, laws) = (model.response(), model.response().structure().laws());
+    let response = model.response();
     let failed = |error: &(dyn std::error::Error + 'static)| -> RunError {
         file.error_at("spring", &chain(error), "here", &[]).into()
     };
-    let places: Vec<Weights> = (0..laws.len()).filter_map(|l| response.law_weights(l).cloned()).collect();
+    let places: Vec<Weights> =
+        (0..response.structure().laws().len()).filter_map(|l| response.law_weights(l).cloned()).collect();
     let rows = response.rows(&places).map_err(|error| failed(&error))?;
-    let (m, c) = (structure.n_modes(), structure.n_contacts());
-    for (l, (placed, (place, row))) in laws.iter().zip(places.iter().zip(&rows)).enumerate() {
-        let mut by_inputs = moved(place, row);
-        by_inputs.extend(&placed.laws[..=l]);
-        let law = Arc::new(InTime(placed.law.clone()));
-        structure
-            .push_law(law, &placed.modes[..m], &placed.contacts[..c], &by_inputs)
-            .map_err(|error| failed(&error))?;
-    }
-    Ok(())
+    let by_inputs = |l: usize| moved(&places[l], &rows[l]);
+    nlmodes::response::push_laws(response.structure(), structure, &by_inputs, &|_| Vec::new())
+        .map_err(|error| failed(&error))
 }

@@ -19,6 +19,9 @@ use crate::{Event, Observer, RunError, chain};
 /// Bandwidths `2 ζ f` of the mode by which the frequency moves in the time `1/(2 ζ f)`, where the scene does not say.
 const SLOW: f64 = 0.25;
 
+/// The most of it over the frequency: by so much a jump may be late.
+const LATE: f64 = 0.004;
+
 /// Instants of a turn of the load at which the motion is looked at.
 const INSTANTS: usize = 16;
 
@@ -108,7 +111,7 @@ fn duration(response: &Response, model: &Model) -> Option<f64> {
     let [low, high] = response.frequency_hz[..] else { return None };
     let damping = model.response().structure().damping();
     let least = (0..model.open_modes().n_modes()).map(|k| damping.entry(k, k) / TAU).find(|width| *width > 0.0);
-    response.sweep_s.or_else(|| least.map(|width| (high - low) / (SLOW * width * width)))
+    response.sweep_s.or_else(|| least.map(|width| (high - low) / (width * (SLOW * width).min(LATE * low))))
 }
 
 /// A part of a complex amplitude, and the phase of its cosine, rad.

@@ -51,26 +51,9 @@ pub enum SettleError {
         /// Its value.
         value: f64,
     },
-    /// Springs or stops with a law of force.
-    #[error(
-        "the structure has springs or stops with a law of force: the exact motion of a point is sought between linear \
-        pieces alone. Expected responses without laws, or [transient] with `from` of this point"
-    )]
-    Laws,
     /// The structure cannot be built again.
     #[error("the structure of summary.json cannot be built: {reason}")]
     Structure {
-        /// Why.
-        reason: String,
-    },
-    /// No exact motion was found next to the point.
-    #[error(
-        "no exact motion was found next to point {point}: {reason}; more `method.harmonics` bring the point nearer to \
-         it"
-    )]
-    NoMotion {
-        /// The point.
-        point: usize,
         /// Why.
         reason: String,
     },

@@ -52,16 +52,17 @@ pub fn rows(directory: &Path) -> Result<Vec<Row>, SettleError> {
 /// Largest relative difference of levels that are one.
 const SAME_LEVEL: f64 = 1e-6;
 
-/// The point of curves at this level whose amplitude, where they pass this frequency, is nearest.
-pub fn nearest(rows: &[Row], level: f64, frequency_hz: f64, fundamental: f64) -> Option<usize> {
+/// The two neighbouring points of curves at this level between which the amplitude at this frequency is nearest, the
+/// nearer one first.
+pub fn nearest(rows: &[Row], level: f64, frequency_hz: f64, fundamental: f64) -> Option<[usize; 2]> {
     let is_own = |row: &Row| row.level.is_some_and(|own| (own / level - 1.0).abs() < SAME_LEVEL);
     let passes = rows.windows(2).filter(|pair| pair[0].curve == pair[1].curve && pair.iter().all(is_own));
     let found = passes.filter_map(|pair| {
         let [a, b] = [&pair[0], &pair[1]];
         let share = (frequency_hz - a.frequency_hz) / (b.frequency_hz - a.frequency_hz);
         let there = a.fundamental + share * (b.fundamental - a.fundamental);
-        let point = if share < 0.5 { a.point } else { b.point };
-        (0.0..=1.0).contains(&share).then_some((point, (there - fundamental).abs()))
+        let points = if share < 0.5 { [a.point, b.point] } else { [b.point, a.point] };
+        (0.0..=1.0).contains(&share).then_some((points, (there - fundamental).abs()))
     });
-    found.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(point, _)| point)
+    found.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(points, _)| points)
 }

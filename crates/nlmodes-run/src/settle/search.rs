@@ -1,11 +1,14 @@
 //! Following a disturbed motion until it is known what it becomes.
 
+use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::path::Path;
 
+use nlmodes::response::Weights;
 use nlmodes::timestep::{ForcedMotion, ForcedStructure, MAX_SHOOTING_MODES, TimestepError};
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::Structures;
+use nlmodes_scene::scene::ResponseKind;
 use num_complex::Complex64;
 
 use super::lines::two_lines;
@@ -13,13 +16,17 @@ use super::near::{self, Row};
 use super::{Becomes, SettleError, SettleSettings, Size};
 use crate::chain;
 use crate::motion::{Motion, scene_of, state_of};
-use crate::responses::{Model, structure};
+use crate::responses::Model;
 
 /// States of a period that are looked at.
 const STATES: usize = 16;
 
 /// States of a period by which the size of a motion is measured.
-const FINE: usize = 128;
+const FINE: usize = 512;
+
+/// Parts of a period of the load from whose states, those of the harmonics, an exact motion is sought one after the
+/// other: the more, the more unstable it may be.
+const SHOTS: [usize; 3] = [1, 8, 32];
 
 /// Most periods of the load in one of a motion that is looked for.
 const MOST_PERIODS: usize = 16;
@@ -33,37 +40,69 @@ const SEEN: f64 = 2e-2;
 const THERE: f64 = 1e-3;
 const SAME: f64 = 1e-6;
 
+/// Distance of the states from which on an exact motion is none of the point.
+const FAR: f64 = 0.1;
+
+/// Largest distance after so many periods of the load, over the least one after any number, from which a motion of these
+/// is sought.
+const NEARER: f64 = 3.0;
+
+/// By how many powers of e the slowest mode decays while a motion is followed, and the fewest and most periods of the load
+/// for that.
+const FOLDS: f64 = 25.0;
+const PERIODS: [f64; 2] = [1500.0, 3000.0];
+
 /// Share of the periods, the last ones, in which lines are looked for.
 const LAST: usize = 2;
 
-/// A structure under its load, and the exact motion of a point.
+/// A structure under its load, and the motion of a point.
 pub struct Search {
     structure: ForcedStructure,
-    /// Level of the load and its unit, and its angular frequency, rad/s.
-    pub level: f64,
+    /// The point, and the unit of its level.
+    pub at: Forced,
     pub unit: &'static str,
-    pub omega: f64,
-    /// Periods of the load in one of the motion.
-    subharmonic: usize,
-    /// The exact motion of the point.
-    pub start: ForcedMotion,
-    /// Distance of the first state of the point to it, over its size.
-    pub off: f64,
+    /// Whether it is one of a nonlinear mode, without load.
+    is_free: bool,
+    /// The exact motion next to the point, if there is one.
+    pub start: Option<ForcedMotion>,
+    /// Its state at the beginning, as its harmonics have it.
+    near: Vec<f64>,
+    /// Its displacement, as its harmonics have it.
+    pub before: Size,
     rows: Vec<Row>,
 }
 
+/// A point of a response: its number, the level, the frequency of the load (rad/s), and how many periods of it are one
+/// of the motion.
+#[derive(Debug, Clone, Copy)]
+pub struct Forced {
+    pub point: usize,
+    pub level: f64,
+    pub omega: f64,
+    pub subharmonic: usize,
+}
+
 impl Search {
-    /// Reads a point, and finds the exact motion next to it.
+    /// Reads a point of a forced response.
     ///
     /// # Errors
     /// [`SettleError`].
     pub fn read(directory: &Path, point: usize) -> Result<Self, SettleError> {
+        Self::read_if(directory, point, ResponseKind::is_forced)
+    }
+
+    /// Reads a point of a forced response, or of a nonlinear mode without damping.
+    ///
+    /// # Errors
+    /// [`SettleError`].
+    pub fn read_any(directory: &Path, point: usize) -> Result<Self, SettleError> {
+        Self::read_if(directory, point, |kind| kind.is_forced() || kind == ResponseKind::Mode)
+    }
+
+    fn read_if(directory: &Path, point: usize, is: impl Fn(ResponseKind) -> bool) -> Result<Self, SettleError> {
         let scene = scene_of(directory)?;
         if scene.responses.is_empty() {
             return Err(SettleError::NoResponses);
-        }
-        if scene.has_laws() {
-            return Err(SettleError::Laws);
         }
         let rows = near::rows(directory)?;
         let row = rows.get(point).cloned().ok_or_else(|| {
@@ -71,32 +110,84 @@ impl Search {
             SettleError::NoSuchPoint { path, point, points }
         })?;
         let response = row.response.checked_sub(1).and_then(|i| scene.responses.get(i));
-        let (Some(level), Some(response)) = (row.level, response.filter(|response| response.kind.is_forced())) else {
+        let Some(response) = response.filter(|response| is(response.kind)) else {
             return Err(SettleError::NotForced { point, kind: row.kind });
         };
-        let subharmonic = response.subharmonic;
+        // A free motion has no level.
+        let level = if response.kind.is_forced() { row.level } else { Some(0.0) };
+        let Some(level) = level else { return Err(SettleError::NotForced { point, kind: row.kind }) };
+        let subharmonic = if response.kind.is_forced() { response.subharmonic } else { 1 };
+        let is_free = !response.kind.is_forced();
         let file = SceneFile::without_text(scene, &directory.join("summary.json").display().to_string());
         let failed = |error: &(dyn std::error::Error + 'static)| SettleError::Structure { reason: chain(error) };
         let (model, _) = Model::with_parts(&file, &Structures::default()).map_err(|error| failed(&error))?;
-        let mut structure = structure(&file, &model).map_err(|error| failed(&error))?;
+        let motion = Motion::read(directory, point)?;
+        let at = Forced { point, level, omega: TAU * row.frequency_hz, subharmonic };
+        let structure = match is_free {
+            true => model.response().conservative_in_time(),
+            false => model.response().in_time(at.omega),
+        };
+        let structure = structure.map_err(|error| failed(&error))?;
+        Self::of(structure, &model, (at, is_free), &motion, rows)
+    }
+
+    fn of(
+        mut structure: ForcedStructure,
+        model: &Model,
+        (at, is_free): (Forced, bool),
+        motion: &Motion,
+        rows: Vec<Row>,
+    ) -> Result<Self, SettleError> {
+        let failed = |error: &(dyn std::error::Error + 'static)| SettleError::Structure { reason: chain(error) };
+        let Forced { level, omega, subharmonic, .. } = at;
         if structure.n_modes() > MAX_SHOOTING_MODES {
             let (found, most) = (structure.n_modes(), MAX_SHOOTING_MODES);
             return Err(TimestepError::TooManyModes { found, most }.into());
         }
-        let omega = TAU * row.frequency_hz;
-        let m = structure.n_modes();
-        for term in model.response().terms() {
-            let by = omega.powi(term.omega_power);
-            let scaled = |of: &[Complex64]| of.iter().map(|v| v * by).collect::<Vec<_>>();
-            structure.push_load(term.harmonic, &scaled(&term.modal[..m]), &scaled(&term.gaps))?;
+        let first = model.contacts.first().or(model.springs.first()).or(model.force_places.first());
+        let first = first.cloned().unwrap_or_default();
+        observe(model, &mut structure, &first, (omega, is_free)).map_err(|error| failed(error.as_ref()))?;
+        let state = |share: f64| state_of(motion, model, share).map_err(|reason| SettleError::Structure { reason });
+        let near = state(0.0)?;
+        let mut start = None;
+        // A free motion is one of a family, which no load holds.
+        for parts in SHOTS.into_iter().filter(|_| !is_free) {
+            let parts = parts * subharmonic;
+            let states = (0..parts).map(|k| state(k as f64 / parts as f64)).collect::<Result<Vec<_>, _>>()?;
+            let found = structure.periodic_through(level, omega, subharmonic, &states);
+            start = found.ok().filter(|found| structure.distance(&near, &found.state) < FAR);
+            if start.is_some() {
+                break;
+            }
         }
-        observe_first(&model, &mut structure).map_err(|error| failed(error.as_ref()))?;
-        let motion = Motion::read(directory, point)?;
-        let near = state_of(&motion, &model).map_err(|reason| SettleError::Structure { reason })?;
-        let start = structure.periodic(level, omega, subharmonic, &near);
-        let start = start.map_err(|error| SettleError::NoMotion { point, reason: chain(&error) })?;
-        let off = structure.distance(&near, &start.state);
-        Ok(Self { structure, level, unit: model.unit, omega, subharmonic, start, off, rows })
+        let moved: f64 = first.iter().map(|&(d, w)| w * model.moved.get(d).copied().unwrap_or(0.0)).sum();
+        let values: Vec<f64> = motion.samples(&first, FINE * subharmonic).iter().map(|v| v - moved).collect();
+        let before = size(&values, subharmonic);
+        Ok(Self { structure, at, is_free, unit: model.unit, start, near, before, rows })
+    }
+
+    /// Whether a load drives it.
+    pub fn is_forced(&self) -> bool {
+        !self.is_free
+    }
+
+    /// Modes of the structure.
+    pub fn n_modes(&self) -> usize {
+        self.structure.n_modes()
+    }
+
+    /// Difference of the state of the point after a period of its motion to that at the beginning, over its size.
+    ///
+    /// # Errors
+    /// [`SettleError::Integration`].
+    pub fn missing(&self) -> Result<f64, SettleError> {
+        let end = self.structure.after(self.at.level, self.at.omega, self.at.subharmonic, &self.near)?;
+        Ok(self.structure.distance(&self.near, &end))
+    }
+
+    /// Distance of the first state of the point to that of the exact motion, over its size.
+    pub fn off(&self) -> Option<f64> {
+        Some(self.structure.distance(&self.near, &self.start.as_ref()?.state))
     }
 
     /// Follows the disturbed motion; what it becomes, and the periods of the load that this took.
@@ -104,24 +195,36 @@ impl Search {
     /// # Errors
     /// [`SettleError::Integration`].
     pub fn follow(&self, settings: SettleSettings) -> Result<(Becomes, usize), SettleError> {
-        let direction = self.structure.disturbance(&self.start)?;
-        let state: Vec<f64> =
-            self.start.state.iter().zip(direction).map(|(x, d)| x + settings.disturbance * d).collect();
-        let mut followed =
-            Followed { flashes: Vec::new(), values: Vec::new(), largest: Vec::new(), tried: f64::INFINITY };
+        // Where no exact motion is near, the point itself is disturbed by what its harmonics leave out.
+        let state: Vec<f64> = match &self.start {
+            Some(start) => {
+                let direction = self.structure.disturbance(start)?;
+                start.state.iter().zip(direction).map(|(x, d)| x + settings.disturbance * d).collect()
+            }
+            None => self.near.clone(),
+        };
+        let mut followed = Followed {
+            flashes: Vec::new(),
+            values: Vec::new(),
+            largest: Vec::new(),
+            most: NONE,
+            tried: HashMap::new(),
+        };
         let (mut count, mut found) = (0_usize, None);
-        self.structure.flash((self.level, self.omega), &state, STATES, &mut |x, observed| {
+        let most = settings.periods.unwrap_or_else(|| self.periods(settings.disturbance));
+        self.structure.flash((self.at.level, self.at.omega), &state, STATES, &mut |flash| {
             count += 1;
-            followed.values.push(observed.first().copied().unwrap_or(0.0));
+            followed.values.push(flash.observed.first().copied().unwrap_or(0.0));
+            followed.most = flash.largest.first().copied().unwrap_or(0.0).max(followed.most);
             if !count.is_multiple_of(STATES) {
                 return true;
             }
-            followed.end_of_period(x);
+            followed.end_of_period(flash.state);
             let periods = count / STATES;
             if periods.is_multiple_of(LOOK) {
                 found = self.periodic(&mut followed);
             }
-            found.is_none() && periods < settings.periods
+            found.is_none() && periods < most
         })?;
         let periods = count / STATES;
         let becomes = match found {
@@ -136,67 +239,92 @@ impl Search {
         let states = &followed.flashes;
         let last = states.last()?;
         let before = |k: usize| states.len().checked_sub(k + 1).map(|i| &states[i]);
-        for periods in (1..=MOST_PERIODS).map(|k| k * self.subharmonic) {
-            let distance = self.structure.distance(last, before(periods)?);
-            if distance > SEEN {
+        let counts = (1..=MOST_PERIODS).map(|k| k * self.at.subharmonic);
+        let distances = counts.filter_map(|k| Some((k, self.structure.distance(last, before(k)?))));
+        let distances: Vec<(usize, f64)> = distances.collect();
+        let least = distances.iter().fold(f64::INFINITY, |least, (_, distance)| least.min(*distance));
+        // A motion of several periods may nearly be one of fewer.
+        let near = |distance: f64| distance < THERE || distance < SEEN.min(NEARER * least);
+        for (periods, distance) in distances.into_iter().filter(|(_, distance)| near(*distance)) {
+            // Newton's method is worth its time as the motion comes nearer.
+            let tried = followed.tried.get(&periods).copied().unwrap_or(f64::INFINITY);
+            if distance > 0.3 * tried {
                 continue;
             }
-            // Newton's method is worth its time as the motion comes nearer.
-            if distance > THERE && distance > 0.3 * followed.tried {
-                return None;
+            let found = self.structure.periodic(self.at.level, self.at.omega, periods, last);
+            let is_there = |motion: &ForcedMotion| {
+                let is_stable = motion.multipliers.first().is_none_or(|most| most.norm() < 1.0);
+                is_stable && self.structure.distance(&motion.state, last) < THERE
+            };
+            if let Some(motion) = found.as_ref().ok().filter(|motion| is_there(motion)) {
+                return Some(self.shortest(motion, periods));
             }
-            followed.tried = distance;
-            let motion = self.structure.periodic(self.level, self.omega, periods, last).ok()?;
-            let is_stable = motion.multipliers.first().is_none_or(|most| most.norm() < 1.0);
-            let is_there = self.structure.distance(&motion.state, last) < THERE;
-            return (is_stable && is_there).then_some((motion, periods));
+            followed.tried.insert(periods, distance);
         }
         None
     }
 
+    /// A motion of several periods of the load, or the one of fewer that it repeats.
+    fn shortest(&self, motion: &ForcedMotion, periods: usize) -> (ForcedMotion, usize) {
+        let Forced { level, omega, subharmonic, .. } = self.at;
+        let fewer = (1..periods / subharmonic).map(|k| k * subharmonic).filter(|k| periods.is_multiple_of(*k));
+        let again = |count: &usize| {
+            let end = self.structure.after(level, omega, *count, &motion.state);
+            end.is_ok_and(|end| self.structure.distance(&end, &motion.state) < SAME)
+        };
+        let found = fewer
+            .into_iter()
+            .find(again)
+            .and_then(|count| Some((self.structure.periodic(level, omega, count, &motion.state).ok()?, count)));
+        found.unwrap_or_else(|| (motion.clone(), periods))
+    }
+
     fn verdict(&self, motion: &ForcedMotion, periods: usize) -> Result<Becomes, SettleError> {
         let largest_multiplier = motion.multipliers.first().map_or(0.0, |most| most.norm());
-        let after = self.size(motion)?;
+        let after = Self::size(motion);
+        let nearest = near::nearest(&self.rows, self.at.level, self.at.omega / TAU, after.fundamental_m);
         // The point may be any of its own periods.
-        let returns = periods == self.subharmonic && self.is_start(motion)?;
-        if returns || periods > self.subharmonic {
+        let is_own = match &self.start {
+            Some(start) => self.is_on(motion, start)?,
+            // Without an exact motion of the point, that whose amplitude is its own among all curves.
+            None => nearest.is_some_and(|points| points.contains(&self.at.point)),
+        };
+        let returns = periods == self.at.subharmonic && is_own;
+        if returns || periods > self.at.subharmonic {
             return Ok(Becomes::Periodic { periods, returns, largest_multiplier, after });
         }
-        let hz = self.omega / TAU;
-        let nearest_point = near::nearest(&self.rows, self.level, hz, after.fundamental_m);
+        let nearest_point = nearest.map(|[point, _]| point);
         Ok(Becomes::Other { periods, largest_multiplier, after, nearest_point })
     }
 
     /// Whether a motion is that of the point, at the beginning of any period of the load.
-    fn is_start(&self, motion: &ForcedMotion) -> Result<bool, SettleError> {
-        let mut state = self.start.state.clone();
-        for _ in 0..self.subharmonic {
+    fn is_on(&self, motion: &ForcedMotion, start: &ForcedMotion) -> Result<bool, SettleError> {
+        let mut state = start.state.clone();
+        for _ in 0..self.at.subharmonic {
             if self.structure.distance(&state, &motion.state) < SAME {
                 return Ok(true);
             }
-            state = self.structure.after(self.level, self.omega, 1, &state)?;
+            state = self.structure.after(self.at.level, self.at.omega, 1, &state)?;
         }
         Ok(false)
     }
 
     /// The displacement over a motion.
-    ///
-    /// # Errors
-    /// [`SettleError::Integration`].
-    pub fn size(&self, motion: &ForcedMotion) -> Result<Size, SettleError> {
-        let all = FINE * motion.periods;
-        let mut values = Vec::with_capacity(all);
-        self.structure.flash((self.level, self.omega), &motion.state, FINE, &mut |_, observed| {
-            values.push(observed.first().copied().unwrap_or(0.0));
-            values.len() < all
-        })?;
-        let turn = |k: usize| Complex64::cis(-TAU * (k + 1) as f64 / FINE as f64);
-        let fundamental: Complex64 = values.iter().enumerate().map(|(k, v)| turn(k) * *v).sum();
-        Ok(Size {
-            largest_m: values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-            smallest_m: values.iter().copied().fold(f64::INFINITY, f64::min),
-            fundamental_m: 2.0 * fundamental.norm() / all as f64,
-        })
+    pub fn size(motion: &ForcedMotion) -> Size {
+        let [smallest_m, largest_m] = motion.observed_extremes(0);
+        Size { largest_m, smallest_m, fundamental_m: motion.observed_harmonic(0, motion.periods).norm() }
+    }
+
+    /// Periods of the load that are followed at most: until the slowest mode has decayed, behind the growth of the
+    /// disturbance.
+    fn periods(&self, disturbance: f64) -> usize {
+        let per_period = TAU / self.at.omega;
+        let decay = self.structure.slowest_decay() * per_period;
+        let most = self.start.as_ref().and_then(|start| start.multipliers.first()).map_or(1.0, |most| most.norm());
+        let growth = most.ln() / self.at.subharmonic as f64;
+        let slow = |rate: f64, folds: f64| if rate > 0.0 { folds / rate } else { f64::INFINITY };
+        let grown = if growth > 0.0 { slow(growth, -disturbance.ln()) } else { 0.0 };
+        (grown + slow(decay, FOLDS)).clamp(PERIODS[0], PERIODS[1]).ceil() as usize
     }
 
     fn not_periodic(&self, followed: &Followed) -> Becomes {
@@ -206,7 +334,7 @@ impl Search {
         let largest = &followed.largest[periods - last..];
         let largest_m = largest.iter().sum::<f64>() / last.max(1) as f64;
         let square = largest.iter().map(|v| (v - largest_m).powi(2)).sum::<f64>() / last.max(1) as f64;
-        let (spread_m, hz) = (square.sqrt(), self.omega / TAU);
+        let (spread_m, hz) = (square.sqrt(), self.at.omega / TAU);
         match two_lines(values, STATES) {
             Some(lines) => Becomes::TwoLines {
                 frequencies_hz: [hz, lines.second * hz],
@@ -230,14 +358,18 @@ struct Followed {
     values: Vec<f64>,
     /// Its largest value in each period, m.
     largest: Vec<f64>,
-    /// Distance at which an exact motion was sought last.
-    tried: f64,
+    /// That of the present period so far.
+    most: f64,
+    /// Distance at which an exact motion of so many periods was sought in vain.
+    tried: HashMap<usize, f64>,
 }
+
+/// Before any value.
+const NONE: f64 = f64::NEG_INFINITY;
 
 impl Followed {
     fn end_of_period(&mut self, state: &[f64]) {
-        let most = self.values[self.values.len() - STATES..].iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        self.largest.push(most);
+        self.largest.push(std::mem::replace(&mut self.most, NONE));
         self.flashes.push(state.to_vec());
         let kept = 2 * MOST_PERIODS * LOOK;
         if self.flashes.len() > 2 * kept {
@@ -246,11 +378,36 @@ impl Followed {
     }
 }
 
-/// Observes the first contact toward its stop.
-fn observe_first(model: &Model, structure: &mut ForcedStructure) -> Result<(), crate::Failure> {
-    let first = model.contacts.first().or(model.force_places.first()).cloned().unwrap_or_default();
-    let Some(row) = model.response().rows(std::slice::from_ref(&first))?.pop() else { return Ok(()) };
+/// The size of a displacement over so many periods of the load, from values behind equal parts of these.
+fn size(values: &[f64], periods: usize) -> Size {
+    let all = values.len();
+    let turn = |k: usize| Complex64::cis(-TAU * ((k + 1) * periods) as f64 / all as f64);
+    let fundamental: Complex64 = values.iter().enumerate().map(|(k, v)| turn(k) * *v).sum();
+    Size {
+        largest_m: values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+        smallest_m: values.iter().copied().fold(f64::INFINITY, f64::min),
+        fundamental_m: 2.0 * fundamental.norm() / all as f64,
+    }
+}
+
+/// Observes a displacement.
+fn observe(
+    model: &Model,
+    structure: &mut ForcedStructure,
+    of: &Weights,
+    (omega, is_free): (f64, bool),
+) -> Result<(), crate::Failure> {
+    let Some(row) = model.response().rows(std::slice::from_ref(of))?.pop() else { return Ok(()) };
     let (m, c) = (structure.n_modes(), structure.n_contacts());
-    structure.push_observed(&row.modes[..m], &row.contacts[..c], &[])?;
+    // Free motions are without the laws that dissipate.
+    let laws = model.response().structure().laws().iter().map(|placed| &placed.law);
+    let is_there = laws.map(|law| !is_free || !law.dissipates() || law.without_dissipation().is_some());
+    let by_laws: Vec<f64> =
+        row.contacts[c..].iter().zip(is_there).filter(|(_, there)| *there).map(|(by, _)| *by).collect();
+    structure.push_observed(&row.modes[..m], &row.contacts[..c], &by_laws)?;
+    let terms = row.loads.iter().zip(model.response().terms());
+    let moved: Vec<Complex64> = terms.map(|(moved, term)| moved * omega.powi(term.omega_power)).collect();
+    // A free motion has no load.
+    structure.move_observed(if is_free { &[] } else { &moved })?;
     Ok(())
 }

@@ -12,21 +12,32 @@ impl Settled {
 
     /// In words, line by line.
     pub fn text(&self) -> String {
-        let [re, im] = self.multiplier;
-        let imaginary = if im == 0.0 { String::new() } else { format!(" ± {} i", short(im.abs())) };
-        let mut lines = vec![
-            format!("point {}: {:.6} Hz, {} {}", self.point, self.frequency_hz, number(self.level), self.level_unit),
-            format!("largest multiplier     {}{imaginary}", short(re)),
-            format!("motion of the point    {}", size(&self.before)),
-            format!("exact motion next to it, off by {} of its size", short(self.distance_to_exact)),
-            format!("becomes                {}", self.becomes.text()),
-        ];
+        let mut lines = vec![format!(
+            "point {}: {:.6} Hz, {} {}",
+            self.point,
+            self.frequency_hz,
+            number(self.level),
+            self.level_unit
+        )];
+        if let Some([re, im]) = self.multiplier {
+            let imaginary = if im == 0.0 { String::new() } else { format!(" ± {} i", short(im.abs())) };
+            lines.push(format!("largest multiplier     {}{imaginary}", short(re)));
+        }
+        lines.push(format!("motion of the point    {}", size(&self.before)));
+        lines.push(match self.distance_to_exact {
+            Some(off) => format!("exact motion next to it, off by {} of its size", short(off)),
+            None => "no exact motion was found next to it: its harmonics leave out too much".to_owned(),
+        });
+        lines.push(format!("becomes                {}", self.becomes.text()));
         lines.extend(self.becomes.after().map(|after| format!("its motion             {}", size(after))));
-        lines.push(format!(
-            "after {} periods of the load, disturbed by {} of its size along the vector of that multiplier",
-            self.integrated_periods,
-            short(self.disturbance)
-        ));
+        let periods = self.integrated_periods;
+        lines.push(match self.distance_to_exact {
+            Some(_) => format!(
+                "after {periods} periods of the load, disturbed by {} of its size along the vector of that multiplier",
+                short(self.disturbance)
+            ),
+            None => format!("after {periods} periods of the load from the state of its harmonics"),
+        });
         lines.join("\n")
     }
 }

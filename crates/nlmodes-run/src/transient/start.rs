@@ -40,5 +40,5 @@ fn on_motion(file: &SceneFile, results: &Path, point: usize, model: &Model) -> R
         return Err(told(&"these are results of another structure"));
     }
     let motion = Motion::read(results, point).map_err(|error| told(&chain(&error)))?;
-    state_of(&motion, model).map_err(|why| told(&why))
+    state_of(&motion, model, 0.0).map_err(|why| told(&why))
 }

@@ -30,10 +30,7 @@ pub enum VerifyError {
         folders: Vec<PathBuf>,
     },
     /// The results are forced or damped motions, which are not kept up without load and damping.
-    #[error(
-        "these are responses; a period is followed of nonlinear modes, without load and damping. The same scene with \
-            method.harmonics twice as large, these results laid over it by [[overlay]], says what harmonics leave out"
-    )]
+    #[error("these are responses, whose points are verified by `verify_response`")]
     Responses,
     /// A file cannot be read.
     #[error("{} cannot be read", path.display())]
