@@ -19,7 +19,7 @@ use crate::{Event, Observer, RunError, chain};
 /// Bandwidths `2 ζ f` of the mode by which the frequency moves in the time `1/(2 ζ f)`, where the scene does not say.
 const SLOW: f64 = 0.25;
 
-/// The most of it over the frequency: by so much a jump may be late.
+/// The most of it over the frequency: by about so much a jump may be late.
 const LATE: f64 = 0.004;
 
 /// Instants of a turn of the load at which the motion is looked at.
