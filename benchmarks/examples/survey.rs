@@ -66,7 +66,15 @@ fn main() -> Result<(), Failure> {
 
 fn rod_settings(harmonics: usize, start: BranchStart) -> BranchSettings {
     let frequency_hz = if start == BranchStart::Grazing { None } else { Some([60.9, 70.0]) };
-    BranchSettings { harmonics, start, frequency_hz, max_energy_ratio: Some(15.0), ..BranchSettings::default() }
+    let internal_resonance = ResonanceRule::Follow;
+    BranchSettings {
+        harmonics,
+        start,
+        frequency_hz,
+        max_energy_ratio: Some(15.0),
+        internal_resonance,
+        ..BranchSettings::default()
+    }
 }
 
 const COLUMNS: [&str; 7] = ["points", "refused", "events", "tongues", "end", "largest residual", "CPU, ms"];

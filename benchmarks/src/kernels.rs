@@ -3,7 +3,7 @@
 use std::hint::black_box;
 use std::ops::ControlFlow;
 
-use nlmodes::branches::{BranchSettings, StabilityRule, compute_branch};
+use nlmodes::branches::{BranchSettings, ResonanceRule, StabilityRule, compute_branch};
 use nlmodes::contact::{LcpMatrix, Mat, SeriesSolution, Start, solver_by_name};
 use nlmodes::continuation::{Linearization, ParametricSystem};
 use nlmodes::fem::MassMatrix;
@@ -40,7 +40,14 @@ pub const KERNELS: [(&str, Prepare); 11] = [
 /// The loop of Fig. 3 b.
 pub fn loop_of_the_rod() -> BranchSettings {
     let frequency_hz = Some([50.0, 66.5]);
-    BranchSettings { harmonics: 3, max_energy_ratio: Some(20.0), frequency_hz, ..BranchSettings::default() }
+    let internal_resonance = ResonanceRule::Follow; // the loop is the branch of one
+    BranchSettings {
+        harmonics: 3,
+        max_energy_ratio: Some(20.0),
+        frequency_hz,
+        internal_resonance,
+        ..BranchSettings::default()
+    }
 }
 
 /// The backbone of the rod by conventional harmonic balance, which other programs compute too: 256 samples a period, to

@@ -50,7 +50,13 @@ fn case(
 }
 
 fn to(max_energy_ratio: f64, harmonics: usize) -> BranchSettings {
-    BranchSettings { harmonics, max_energy_ratio: Some(max_energy_ratio), ..BranchSettings::default() }
+    let internal_resonance = ResonanceRule::Follow;
+    BranchSettings {
+        harmonics,
+        max_energy_ratio: Some(max_energy_ratio),
+        internal_resonance,
+        ..BranchSettings::default()
+    }
 }
 
 fn two_element_rod(gap: f64) -> Result<MasslessContactModel, Failure> {

@@ -56,14 +56,17 @@ fn run(folder: &Path, text: &str) -> Result<[Table; 2], Box<dyn Error>> {
 #[test]
 fn a_stop_with_the_exponent_one_is_the_stop_on_a_spring() -> Outcome {
     let folder = tempdir()?;
-    for rest in [MODE.to_owned(), forced("kind = \"force\"\nfrequency_hz = [25.0]")] {
-        let last = |law: &str| -> Result<[HashMap<String, f64>; 2], Box<dyn Error>> {
-            let tables = run(folder.path(), &(beam(law) + &rest))?;
+    // Modes with laws of force follow internal resonances.
+    let mode = [MODE.to_owned(), format!("{MODE}internal_resonance = \"follow\"\n")];
+    let response = forced("kind = \"force\"\nfrequency_hz = [25.0]");
+    for [with_law, with_spring] in [mode, [response.clone(), response]] {
+        let last = |law: &str, rest: &str| -> Result<[HashMap<String, f64>; 2], Box<dyn Error>> {
+            let tables = run(folder.path(), &(beam(law) + rest))?;
             let [points, stops] = tables.map(|table| table.last().cloned());
             Ok([points.ok_or("no points")?, stops.ok_or("no contacts")?])
         };
-        let [point, stop] = last("stiffness_hertz_n_m15 = 2e4\nexponent = 1.0")?;
-        let [linear, spring] = last("stiffness_n_m = 2e4")?;
+        let [point, stop] = last("stiffness_hertz_n_m15 = 2e4\nexponent = 1.0", &with_law)?;
+        let [linear, spring] = last("stiffness_n_m = 2e4", &with_spring)?;
         for (key, tolerance) in [
             ("frequency_hz", 1e-7),
             ("energy_j", 2e-7),

@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 
 use nlmodes::branches::{
-    BranchMethod, BranchSettings, BranchStart, ComputedBranch, Histories, StabilityRule, compute_branch,
+    BranchMethod, BranchSettings, BranchStart, ComputedBranch, Histories, ResonanceRule, StabilityRule, compute_branch,
 };
 use nlmodes::fem::{Direction, Stop};
 use nlmodes::modal::{EndReason, Event, ModalPoint, Stability};
@@ -235,7 +235,9 @@ fn what_is_called_unstable_grows_and_what_is_called_stable_does_not() {
 fn points_in_harmonics_have_the_stability_of_the_exact_motion_beside_them() {
     let settings = BranchSettings { max_energy_ratio: Some(4.0), ..settings() };
     let exact = branch(rod(5, &[tip()]), &settings);
-    let harmonics = BranchSettings { method: BranchMethod::HarmonicBalance, harmonics: 40, ..settings.clone() };
+    let internal_resonance = ResonanceRule::Follow;
+    let method = BranchMethod::HarmonicBalance;
+    let harmonics = BranchSettings { method, harmonics: 40, internal_resonance, ..settings.clone() };
     let found = branch(rod(5, &[tip()]), &harmonics);
     let [_, unstable, unknown] = found.stability_counts();
     assert!(unstable > 0 && unknown == 0, "{:?}", found.stability_counts());
