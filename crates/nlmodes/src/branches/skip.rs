@@ -39,9 +39,8 @@ pub(super) fn follow(
     start_event: Event,
     observe: &mut dyn FnMut(BranchProgress) -> ControlFlow<()>,
 ) -> Result<(Found, BranchEnd), BranchError> {
-    let upward = heading(tracer, &seed)?;
     let (mut all, mut guides, mut followed) = (Found::default(), Guides::default(), Vec::<Followed>::new());
-    let mut first = First::Named(start_event);
+    let (mut first, mut upward) = (First::Named(start_event), None);
     // Where the segment since the last internal-resonance branch begins.
     let mut segment_start = 0;
     loop {
@@ -90,11 +89,15 @@ pub(super) fn follow(
             return Ok((all, end));
         };
         let last = all.points.len() - 1;
-        let base = base_point(&all.points[segment_start..last], resonance, upward).map(|i| segment_start + i);
-        let behind = match base {
-            Some(base) => resume(tracer, &mut guides, &all.points[base], (upward, resonance)),
-            None => Ok(Behind::Nothing("it begins on it".to_owned())),
-        };
+        let mut base = None;
+        let behind = upward.map_or_else(|| heading(tracer, &seed), Ok).and_then(|found| {
+            upward = Some(found);
+            base = base_point(&all.points[segment_start..last], resonance, found).map(|i| segment_start + i);
+            match base {
+                Some(base) => resume(tracer, &mut guides, &all.points[base], (found, resonance)),
+                None => Ok(Behind::Nothing("it begins on it".to_owned())),
+            }
+        });
         if watch.has_ended() {
             all.truncate(last);
             let end = branch_end(&StopReason::Stopped, tracer, all.points.len());
