@@ -16,7 +16,7 @@ ROD = {
     },
     "contact": [{"at_m": 1.0, "direction": "axial", "side": "positive", "gap_m": 1e-3}],
     "method": {"harmonics": 5},
-    "continuation": {"max_energy_ratio": 3.0},
+    "continuation": {"max_energy_ratio": 3.0, "internal_resonance": "follow"},
 }
 
 

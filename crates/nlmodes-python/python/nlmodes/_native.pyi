@@ -15,6 +15,7 @@ __all__ = [
     "command",
     "conformance_cases",
     "extract",
+    "follow",
     "linear_frequencies",
     "override_of",
     "run",
