@@ -140,8 +140,8 @@ The motion is disturbed along the vector of its largest multiplier and integrate
 
 Exit status 1 where the motion cannot be integrated, 2 where the directory holds no such point.")]
     Settle(settle::Arguments),
-    /// Follow a fold, a first touch, a phase resonance, or a mode at an energy over a parameter: the jump frequency over
-    /// a gap
+    /// Follow a fold, a first touch, a phase resonance, or a mode at an energy over a parameter: the jump frequency
+    /// over a gap
     #[command(after_help = "\
 Examples:
   nlmodes-cli follow response.toml --over contact.0.gap_m --from 0.8e-3 --to 1.2e-3 --level 15

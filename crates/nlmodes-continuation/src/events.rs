@@ -150,7 +150,7 @@ impl<S: ParametricSystem> Search<'_, S> {
 
     /// Where `test`, a smooth function of point and tangent that is negative at the end, turns so. Where a point of
     /// the branch is not found, others in the bracket are tried; if none is, the nearest one known on the far side
-    /// is taken for the root.
+    /// is used as the root.
     pub fn root(&mut self, test: impl Fn(&Correction) -> f64) -> Root {
         self.find(&ELSEWHERE, self.whole(), &test)
     }

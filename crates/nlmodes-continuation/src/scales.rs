@@ -271,7 +271,7 @@ impl<E: std::error::Error + 'static> ParametricSystem for Scaled<'_, E> {
         out.scale_entries(|i, j| unknowns[j] / equations[i]);
         for (i, unit) in equations.iter().enumerate() {
             out.residual[i] /= unit;
-            // One is taken for a system that writes none.
+            // A system that writes none has ones.
             if out.sizes[i] != 1.0 {
                 out.sizes[i] /= unit;
             }

@@ -11,7 +11,8 @@ use crate::errors;
 use crate::looking::{Looking, Onlooker};
 use crate::scene::Source;
 
-/// Follows what is wanted over a key between two values, `at` a level or an energy, and writes the files into a directory.
+/// Follows what is wanted over a key between two values, `at` a level or an energy, and writes the files into a
+/// directory.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "those of the function of Python")]
 pub fn follow(

@@ -126,13 +126,13 @@ def test_a_gap_is_fitted_to_points_of_a_curve(rod, tmp_path):
         "fit": {"measured": str(points), "over": "energy_j"},
         "vary": [{"key": "contact.0.gap_m", "name": "gap_m"}],
     }
-    found = nlmodes.fit(study)
+    found = nlmodes.Study(study).fit()
     assert found.values["gap_m"] == pytest.approx(1.05e-3, rel=1e-5) and 0.0 < found.std["gap_m"] < 1e-3
     assert found.covariance.shape == (1, 1) and found.covariance[0, 0] == pytest.approx(found.std["gap_m"] ** 2)
     assert len(found.points) == 8 and np.all(abs(found.points.fitted - found.points.measured) < 0.01)
     assert found.overrides == [f"contact.0.gap_m={found.values['gap_m']!r}"] and "gap_m = 0.00105" in repr(found)
     with pytest.raises(nlmodes.SceneError):
-        nlmodes.fit({name: table for name, table in study.items() if name != "fit"})
+        nlmodes.Study({name: table for name, table in study.items() if name != "fit"}).fit()
 
 
 def test_folds_and_resonances_are_followed_over_a_gap(tmp_path):

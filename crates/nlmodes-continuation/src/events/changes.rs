@@ -15,7 +15,7 @@ const HALVINGS: usize = 6;
 
 impl<S: ParametricSystem> Search<'_, S> {
     /// Where the system passes from one smooth piece to another; beyond the most that are distinguished, the last one
-    /// is taken for the rest.
+    /// represents the rest.
     pub fn pattern_changes(&mut self) -> Vec<Located> {
         let mut found = Vec::new();
         for pair in self.witnesses().windows(2) {

@@ -94,7 +94,7 @@ pub(super) fn nearly_singular(a: Entries<'_>, factor: SparseCholesky) -> Result<
     let weight = diagonal_of(a.matrix)?;
     let pencil = Pencil { stiffness: a.matrix, mass: &weight, shift: 0.0, factor, written: None };
     let known = Known { stiffness: a, mass: Entries::exact(&weight) };
-    // Where the iteration does not end, no component is large enough that it could vanish.
+    // Where the iteration does not end, no eigenvalue is so much smaller than the others that it could be zero.
     let suspect = pencil.solve(1).is_ok_and(|lowest| !lowest.eigenvalues.is_empty() && known.is_suspect(&lowest, 0));
     Ok((suspect, pencil.into_factor()))
 }

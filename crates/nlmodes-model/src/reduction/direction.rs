@@ -129,8 +129,8 @@ fn form(entries: &[Triplet], (x, i): (&Mat<f64>, usize), (y, j): (&Mat<f64>, usi
 }
 
 /// `(K − ω² M)⁺ b` beyond the modes, from the static answers `G b`, column by column: `(1 − ω² G M) z = G b` by
-/// conjugate gradients in the inner product of `M`, in which this is positive definite. Few steps, since all modes far above ω
-/// answer statically. None where it does not settle.
+/// conjugate gradients in the inner product of `M`, in which this is positive definite. Few steps, since all modes far
+/// above ω answer statically. None where it does not settle.
 fn beyond(beside: &Beside<'_>, mass: &SparseMatrix, square: f64, start: &Mat<f64>) -> Option<Mat<f64>> {
     if square == 0.0 {
         return Some(start.clone());

@@ -13,8 +13,7 @@
 :class:`Law`                      a spring or damper whose force is a function
 :class:`Structure`                stiffness and mass matrices with contacts
 :class:`ReducedStructure`         frequencies, rows and flexibility from elsewhere, with contacts
-:class:`Study`                    a quantity over parameters, from many branches
-:func:`fit`                       the variables of a study from measured points
+:class:`Study`                    a quantity over parameters, from many branches; fits to measured points
 :func:`follow`                    a fold, a first touch or a mode over a parameter
 :func:`verify`                    one period of the full structure from a computed point
 :mod:`nlmodes.contact`            complementarity problems of contact
@@ -36,7 +35,7 @@ from .follow import FollowedCurve, follow
 from .law import Law
 from .reduced import ReducedStructure
 from .structure import Structure
-from .study import Fit, Study, StudyTable, fit
+from .study import Fit, Study, StudyTable
 
 __all__ = [
     "Branch",
@@ -62,7 +61,6 @@ __all__ = [
     "contact",
     "continuation",
     "experiment",
-    "fit",
     "follow",
     "linear_frequencies",
     "read",

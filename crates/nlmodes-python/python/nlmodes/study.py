@@ -334,6 +334,31 @@ class Study:
             Nothing is measured, or fewer numbers than there are variables; the curve at the start does not reach the points.
         RunError
             The search does not come to an end, or the points do not tell the variables apart.
+
+        Examples
+        --------
+        >>> import nlmodes
+        >>> rod = {
+        ...     "structure": {
+        ...         "kind": "rod", "length_m": 1.0, "elements": 4, "start": "clamped",
+        ...         "material": {"youngs_modulus_pa": 210e9, "density_kg_m3": 7800.0}, "section": {"area_m2": 1e-4},
+        ...     },
+        ...     "contact": [{"at_m": 1.0, "direction": "axial", "side": "positive", "gap_m": 1e-3}],
+        ...     "method": {"harmonics": 1},
+        ...     "continuation": {"max_energy_ratio": 3.0},
+        ... }
+        >>> made = nlmodes.run(rod, contact=[{"at_m": 1.0, "direction": "axial", "side": "positive", "gap_m": 1.1e-3}])
+        >>> import pathlib, tempfile
+        >>> place = pathlib.Path(tempfile.mkdtemp())
+        >>> rows = zip(made.energy_j[2:6].tolist(), made.frequency_hz[2:6].tolist())
+        >>> _ = (place / "points.csv").write_text("energy_j,frequency_hz\\n" + "".join(f"{e!r},{f!r}\\n" for e, f in rows))
+        >>> found = nlmodes.Study({
+        ...     "scene": rod,
+        ...     "fit": {"measured": str(place / "points.csv"), "over": "energy_j"},
+        ...     "vary": [{"key": "contact.0.gap_m", "name": "gap_m"}],
+        ... }).fit()
+        >>> bool(abs(found.values["gap_m"] - 1.1e-3) < 1e-8)
+        True
         """
         found, points = self._native.fit(memory_limit)
         return Fit(json.loads(found), points.read_bytes())
@@ -365,37 +390,6 @@ class Study:
 
     def __repr__(self) -> str:
         return f"<Study of {', '.join(self.quantities)} over {', '.join(self.variables)} in {self.directory}>"
-
-
-def fit(study: Scene, *, out: str | os.PathLike[str] | None = None, memory_limit: str | None = None) -> Fit:
-    """Fits the variables of a study to its measured points: :meth:`Study.fit` of :class:`Study`.
-
-    Examples
-    --------
-    >>> import nlmodes
-    >>> rod = {
-    ...     "structure": {
-    ...         "kind": "rod", "length_m": 1.0, "elements": 4, "start": "clamped",
-    ...         "material": {"youngs_modulus_pa": 210e9, "density_kg_m3": 7800.0}, "section": {"area_m2": 1e-4},
-    ...     },
-    ...     "contact": [{"at_m": 1.0, "direction": "axial", "side": "positive", "gap_m": 1e-3}],
-    ...     "method": {"harmonics": 1},
-    ...     "continuation": {"max_energy_ratio": 3.0},
-    ... }
-    >>> made = nlmodes.run(rod, contact=[{"at_m": 1.0, "direction": "axial", "side": "positive", "gap_m": 1.1e-3}])
-    >>> import pathlib, tempfile
-    >>> place = pathlib.Path(tempfile.mkdtemp())
-    >>> rows = zip(made.energy_j[2:6].tolist(), made.frequency_hz[2:6].tolist())
-    >>> _ = (place / "points.csv").write_text("energy_j,frequency_hz\\n" + "".join(f"{e!r},{f!r}\\n" for e, f in rows))
-    >>> found = nlmodes.fit({
-    ...     "scene": rod,
-    ...     "fit": {"measured": str(place / "points.csv"), "over": "energy_j"},
-    ...     "vary": [{"key": "contact.0.gap_m", "name": "gap_m"}],
-    ... })
-    >>> bool(abs(found.values["gap_m"] - 1.1e-3) < 1e-8)
-    True
-    """
-    return Study(study, out=out).fit(memory_limit=memory_limit)
 
 
 def _submitted(executor: Executor, case: tuple[Any, ...]) -> Any:

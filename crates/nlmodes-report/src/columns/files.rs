@@ -129,7 +129,8 @@ pub const FILES: [FileMeaning; 29] = [
             the vector of its largest multiplier (`periodic` with `periods` of the load in one of the motion, \
             `two-lines` with both `frequencies_hz`, `irregular` with the largest values and their spread, `other` \
             with where it went), the disturbance, the time that was integrated, and of the exact motion next to the \
-            point its distance and largest multiplier; without these two none was found, and the state of the point itself was followed",
+            point its distance and largest multiplier; without these two none was found, and the state of the point \
+            itself was followed",
         columns: &[],
     },
     FileMeaning {
@@ -172,8 +173,7 @@ pub const FILES: [FileMeaning; 29] = [
             displacement in m (NaN where it depends on other nodes), contact_force in N, gap in m, \
             and where contacts cover faces of the mesh contact_pressure in Pa (with nodes in the middle of edges it is \
             larger there than at corners, as the forces of nodes are); where stress is recovered, stress, von_mises \
-            and \
-            principal_stress in Pa",
+            and principal_stress in Pa",
         columns: &[],
     },
     FileMeaning { name: "run.json", meaning: "The scene to which the results belong", columns: &[] },

@@ -22,8 +22,7 @@ pub const HARMONIC_ARRAYS: [Column; 4] = [
         "D",
         "`axial`, `deflection` or `rotation`; in responses of several structures with its number, as `axial-2`; \
             `modal` and `contact` of structures from files, in their responses `x` to `rz`, and `row` of those that \
-            were \
-            reduced elsewhere, in their order",
+            were reduced elsewhere, in their order",
     ),
 ];
 

@@ -24,8 +24,7 @@ pub fn text(results: &Path, abscissa: Abscissa, value: f64, curves: &[Curve]) ->
         for [from, to] in &curve.left_out {
             text += &format!(
                 "\n  between points {from} and {to} an internal-resonance branch was left out, and {here} lies in it: \
-                nothing is known \
-                    there\n"
+                nothing is known there\n"
             );
         }
         let digits = Digits::of(&curve.passages);

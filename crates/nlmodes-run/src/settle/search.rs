@@ -43,12 +43,12 @@ const SAME: f64 = 1e-6;
 /// Distance of the states from which on an exact motion is none of the point.
 const FAR: f64 = 0.1;
 
-/// Largest distance after so many periods of the load, over the least one after any number, from which a motion of these
-/// is sought.
+/// Largest distance after so many periods of the load, over the least one after any number, from which a motion of
+/// these is sought.
 const NEARER: f64 = 3.0;
 
-/// By how many powers of e the slowest mode decays while a motion is followed, and the fewest and most periods of the load
-/// for that.
+/// By how many powers of e the slowest mode decays while a motion is followed, and the fewest and most periods of the
+/// load for that.
 const FOLDS: f64 = 25.0;
 const PERIODS: [f64; 2] = [1500.0, 3000.0];
 

@@ -83,8 +83,7 @@ pub enum ReducedProblem {
     #[error(
         "{of}less than what the modes alone give, mostly at row {row}: {flexibility:e} m/N, and {modal:e} m/N of the \
         modes; expected the whole static flexibility, that of the modes included. What is left beside the modes is \
-        given \
-        under `residual_flexibility_m_n`; other units are named by `units`"
+        given under `residual_flexibility_m_n`; other units are named by `units`"
     )]
     LessThanModes {
         /// The file with a colon; empty for numbers of the scene.

@@ -31,7 +31,8 @@ const SAME: f64 = 1e-9;
 
 impl ResponseModel {
     /// What these changes of stiffness and mass do to the structure and its load, exactly; `watched` is the
-    /// displacement whose amplitude is followed. One solution for each retained mode and place, whatever the number of directions.
+    /// displacement whose amplitude is followed. One solution for each retained mode and place, whatever the number of
+    /// directions.
     ///
     /// # Errors
     /// [`ResponseError::DirectionBeside`] what is differentiated in other ways, [`ResponseError::Problem`] beside laws

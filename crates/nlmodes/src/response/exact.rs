@@ -93,8 +93,8 @@ pub fn push_laws(
 }
 
 impl ResponseModel {
-    /// The structure under its load of level one at a frequency of it (rad/s), for exact integration; without terms where
-    /// nothing drives it.
+    /// The structure under its load of level one at a frequency of it (rad/s), for exact integration; without terms
+    /// where nothing drives it.
     ///
     /// # Errors
     /// [`ResponseError::Integration`] for a structure that cannot be integrated exactly.
@@ -142,8 +142,8 @@ fn state(structure: &ModalStructure, point: &PeriodicMotion) -> Vec<f64> {
     modes.chain((0..stops).map(|j| at(&point.stops, j, 0))).collect()
 }
 
-/// Distance of the fundamentals of the gap that moves most, over that of the point; of structures without contacts, that
-/// of their modes.
+/// Distance of the fundamentals of the gap that moves most, over that of the point; of structures without contacts,
+/// that of their modes.
 fn distance(structure: &ModalStructure, point: &PeriodicMotion, motion: &ForcedMotion) -> f64 {
     let own = point.contacts.iter().take(structure.n_contacts());
     let fundamentals = own.map(|contact| contact.free_fundamental).enumerate();

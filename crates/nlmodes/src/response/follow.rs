@@ -158,7 +158,7 @@ impl Curve<'_> {
                 let guess = BranchPoint::guess(x, p, held);
                 // The level as it was asked for, without the rounding of its logarithm.
                 let point = ResponsePoint { level, ..self.point(&guess)? };
-                // Where the step between is too long for Newton's method, the nearer end is taken for it, with its own
+                // Where the step between is too long for Newton's method, the nearer end is used instead, with its own
                 // level.
                 let nearer = if share < 0.5 { a } else { b };
                 found.push(if point.residual < CONVERGED { point } else { self.point(nearer)? });

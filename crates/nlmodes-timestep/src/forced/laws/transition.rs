@@ -14,9 +14,9 @@ use crate::TimestepError;
 /// δx⁺ = (Φ_xx + Φ_xc C U) δx ,   (1 + D_v G + D_v̇ Ġ) U = −(D_v B + D_v̇ Ḃ)
 /// ```
 ///
-/// `U` are the reactions at the nodes by the state, `C` the coefficients of their polynomials, `G` and `B` what reactions
-/// and state move at the places of the laws, `D` the slopes of these there: the derivative of the step as it is
-/// computed.
+/// `U` are the reactions at the nodes by the state, `C` the coefficients of their polynomials, `G` and `B` what
+/// reactions and state move at the places of the laws, `D` the slopes of these there: the derivative of the step as it
+/// is computed.
 pub struct LawTransitions<'a> {
     structure: &'a ForcedStructure,
     /// The state, and the coefficients of the reactions, in `w`.
