@@ -45,6 +45,22 @@ pub fn add_product(factor: f64, a: &[f64], b: &[f64], c: &mut [f64], [m, k, n]: 
     );
 }
 
+/// Column `j` of a matrix.
+///
+/// # Panics
+/// If there is no such column.
+pub fn column(a: &Mat<f64>, j: usize) -> &[f64] {
+    a.col(j).try_as_col_major().expect("columns of a Mat are contiguous").as_slice()
+}
+
+/// Column `j` of a matrix, to be changed.
+///
+/// # Panics
+/// If there is no such column.
+pub fn column_mut(a: &mut Mat<f64>, j: usize) -> &mut [f64] {
+    a.col_mut(j).try_as_col_major_mut().expect("columns of a Mat are contiguous").as_slice_mut()
+}
+
 /// LU factorisation with row exchanges, `P A = L U`, of a dense square matrix.
 ///
 /// Intended for the bordered systems of a continuation, with tens to hundreds of unknowns, factored once and solved for

@@ -49,7 +49,7 @@ mod threads;
 
 pub use cholesky::{CholeskyPlan, SparseCholesky};
 pub use compressed::sparse_from_columns;
-pub use dense::{DenseLu, add_product};
+pub use dense::{DenseLu, add_product, column, column_mut};
 pub use digits::{Digits, rounded};
 pub use eigenvalues::eigenvalues;
 pub use error::LinalgError;

@@ -8,6 +8,8 @@ use nlmodes_modal::HarmonicCoefficients;
 use nlmodes_model::MasslessContactModel;
 use num_complex::Complex64;
 
+use crate::first_root::first_negative;
+use crate::oscillation::Oscillation;
 use crate::phase::{Coordinates, Phase, dot, transposed_product};
 use crate::trajectory::{Segment, Trajectory};
 use crate::{ModalState, TimestepError};
@@ -293,10 +295,9 @@ impl ContactDynamics {
 
 /// Length of the segment with unchanged closed contacts, at most `end`, and the contact that changes then.
 fn first_switch(phase: &Phase, start: &Coordinates, end: f64) -> (f64, Option<usize>) {
-    let (mut length, mut switch) = (end, None);
-    for i in 0..phase.closed.len() {
-        let mut guard = phase.guard(i, start);
-        let value = guard.evaluate(0.0)[0];
+    let mut guards: Vec<Oscillation> = (0..phase.closed.len()).map(|i| phase.guard(i, start)).collect();
+    for (i, guard) in guards.iter_mut().enumerate() {
+        let value = guard.beginning();
         if value < 0.0 {
             // After a contact instant the guard is zero to rounding; a larger value means that the set does not belong
             // to this state.
@@ -305,13 +306,8 @@ fn first_switch(phase: &Phase, start: &Coordinates, end: f64) -> (f64, Option<us
             }
             guard.constant -= value;
         }
-        if let Some(t) = guard.first_negative(length)
-            && (t < length || switch.is_none())
-        {
-            (length, switch) = (t, Some(i));
-        }
     }
-    (length, switch)
+    first_negative(&guards, end).map_or((end, None), |(length, i)| (length, Some(i)))
 }
 
 /// The contact nodes with the compliance `K_NN⁻¹`, and that of the stops.

@@ -1,9 +1,18 @@
-//! The first instant at which a smooth function becomes negative: none is missed.
+//! The first instant at which one of several smooth functions becomes negative: none is missed.
 
 use crate::bracket::falls_below_zero;
 
 /// A smooth function of time with a bound of its third derivative.
 pub(crate) trait Guard {
+    /// What all functions that are watched together share at one time.
+    type Shared: Default;
+
+    /// What is shared at `t`.
+    fn share(&self, t: f64, shared: &mut Self::Shared);
+
+    /// The function, its first and second derivative at the time of `shared`.
+    fn evaluate_shared(&self, shared: &Self::Shared) -> [f64; 3];
+
     /// The function, its first and second derivative.
     fn evaluate(&self, t: f64) -> [f64; 3];
 
@@ -24,41 +33,64 @@ enum Cell {
     Unclear,
 }
 
-/// Smallest `t` in `[0, end]` at which `f`, not negative at 0, becomes negative.
+/// Smallest `t` in `[0, end]` at which one of these guards, none of them negative at 0, becomes negative, and the index
+/// of that guard.
 ///
-/// In a cell of half-width r about m, `f` differs from its Taylor polynomial of second degree by at most `G r³/6`,
-/// `|f'''| ≤ G`. A cell has no root if that polynomial exceeds the difference; if `f` is proven to be monotone or of
-/// one curvature in it, its ends or its extremum decide; otherwise it is halved. Thus no pair of roots is missed,
+/// In a cell of half-width r about m, a guard `f` differs from its Taylor polynomial of second degree by at most
+/// `G r³/6`, `|f'''| ≤ G`. A cell has no root if that polynomial exceeds the difference; if `f` is proven to be monotone
+/// or of one curvature in it, its ends or its extremum decide; otherwise it is halved. Thus no pair of roots is missed,
 /// however close, and grazing is decided by the value at the extremum. Values above minus a few rounding errors of its
 /// size also count as no root: a guard may be zero all the time.
-pub(crate) fn first_negative(f: &impl Guard, end: f64) -> Option<f64> {
-    let (bound, noise) = (f.third_derivative(), 4.0 * f64::EPSILON * f.size());
-    if !(bound.is_finite() && noise.is_finite()) {
-        return None;
-    }
+///
+/// The guards go through the cells together, in the order of time: what they share is computed once a cell, and no cell
+/// behind the first root is examined.
+pub(crate) fn first_negative<G: Guard>(guards: &[G], end: f64) -> Option<(f64, usize)> {
+    let limits: Vec<[f64; 2]> = guards.iter().map(|f| [f.third_derivative(), 4.0 * f64::EPSILON * f.size()]).collect();
+    let bounded: Vec<usize> = (0..guards.len()).filter(|&i| limits[i].iter().all(|limit| limit.is_finite())).collect();
     let resolution = 2.0 * f64::EPSILON * end;
-    let mut cells = vec![(0.0, end)];
-    while let Some((from, to)) = cells.pop() {
-        match judge(f, (from, to), bound, noise) {
-            Cell::Quiet => {}
-            Cell::Leaves(t) => return Some(t),
-            Cell::Unclear if to - from <= resolution => {
-                if f.evaluate(to)[0] < -noise {
-                    return Some(to);
+    let (mut cells, mut shared) = (vec![(0.0, end, bounded)], G::Shared::default());
+    let mut first: Option<(f64, usize)> = None;
+    while let Some((from, to, undecided)) = cells.pop() {
+        if first.is_some_and(|(t, _)| t <= from) {
+            break;
+        }
+        let middle = 0.5 * (from + to);
+        let mut halved = Vec::new();
+        if let Some(&i) = undecided.first() {
+            guards[i].share(middle, &mut shared);
+        }
+        for i in undecided {
+            let f = &guards[i];
+            let leaves = match judge(f, (from, to), f.evaluate_shared(&shared), limits[i]) {
+                Cell::Quiet => None,
+                Cell::Leaves(t) => Some(t),
+                Cell::Unclear if to - from <= resolution => (f.evaluate(to)[0] < -limits[i][1]).then_some(to),
+                Cell::Unclear => {
+                    halved.push(i);
+                    None
                 }
-            }
-            Cell::Unclear => {
-                let middle = 0.5 * (from + to);
-                cells.extend([(middle, to), (from, middle)]);
+            };
+            if let Some(t) = leaves
+                && first.is_none_or(|(earliest, _)| t < earliest)
+            {
+                first = Some((t, i));
             }
         }
+        if !halved.is_empty() {
+            cells.extend([(middle, to, halved.clone()), (from, middle, halved)]);
+        }
     }
-    None
+    first
 }
 
-fn judge(f: &impl Guard, (from, to): (f64, f64), bound: f64, noise: f64) -> Cell {
-    let (m, r) = (0.5 * (from + to), 0.5 * (to - from));
-    let [value, slope, curvature] = f.evaluate(m);
+/// Information on a guard with these values in the middle of a cell.
+fn judge(
+    f: &impl Guard,
+    (from, to): (f64, f64),
+    [value, slope, curvature]: [f64; 3],
+    [bound, noise]: [f64; 2],
+) -> Cell {
+    let r = 0.5 * (to - from);
     if lowest(value, slope, curvature, r) + noise >= bound * r * r * r / 6.0 {
         return Cell::Quiet;
     }

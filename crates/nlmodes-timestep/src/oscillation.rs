@@ -1,4 +1,4 @@
-use crate::first_root::{Guard, first_negative, root};
+use crate::first_root::{Guard, root};
 
 /// A guard along a motion: `f(t) = c + Σ_k a_k cos ω_k t + b_k sin(ω_k t)/ω_k + d_k (1 − cos ω_k t)/ω_k²`, with `t` in
 /// place of `sin(ω t)/ω` and `t²/2` in place of the last factor where `ω = 0`.
@@ -42,21 +42,31 @@ pub(crate) fn fall_integral(omega: f64, t: f64) -> f64 {
 impl Oscillation<'_> {
     /// `f`, `f'` and `f''` at `t`.
     pub fn evaluate(&self, t: f64) -> [f64; 3] {
+        self.sum(t, |k| cosine_and_sine(self.omega[k], t))
+    }
+
+    /// `f`, `f'` and `f''` at `t`, with `cos ω_k t` and `sin(ω_k t)/ω_k` from `turn`.
+    fn sum(&self, t: f64, turn: impl Fn(usize) -> (f64, f64)) -> [f64; 3] {
         let mut value = [self.constant, 0.0, 0.0];
-        for k in 0..self.lambda.len() {
-            let (cos, sin) = cosine_and_sine(self.omega[k], t);
-            let share = self.a[k] * cos + self.b[k] * sin;
+        for (k, ((a, b), lambda)) in self.a.iter().zip(&self.b).zip(self.lambda).enumerate() {
+            let (cos, sin) = turn(k);
+            let share = a * cos + b * sin;
             value[0] += share;
-            value[1] += self.b[k] * cos - self.a[k] * self.lambda[k] * sin;
-            value[2] -= self.lambda[k] * share;
+            value[1] += b * cos - a * lambda * sin;
+            value[2] -= lambda * share;
         }
-        for (omega, d) in self.pulled() {
-            let (cos, sin) = cosine_and_sine(omega, t);
-            value[0] += d * fall(omega, t);
+        for (k, d) in self.d.iter().enumerate().filter(|(_, d)| **d != 0.0) {
+            let (cos, sin) = turn(k);
+            value[0] += d * fall(self.omega[k], t);
             value[1] += d * sin;
             value[2] += d * cos;
         }
         value
+    }
+
+    /// `f` at the beginning, rounded as [`evaluate`](Self::evaluate) rounds it.
+    pub fn beginning(&self) -> f64 {
+        self.a.iter().fold(self.constant, |sum, a| sum + a)
     }
 
     /// Angular frequencies and `d` of the modes under a steady force.
@@ -87,11 +97,6 @@ impl Oscillation<'_> {
         self.constant.abs() + terms.map(amplitude).sum::<f64>()
     }
 
-    /// Smallest `t` in `[0, end]` at which `f`, not negative at 0, becomes negative.
-    pub fn first_negative(&self, end: f64) -> Option<f64> {
-        first_negative(self, end)
-    }
-
     /// `−f`.
     pub fn negated(mut self) -> Self {
         self.a.iter_mut().chain(&mut self.b).chain(&mut self.d).for_each(|x| *x = -*x);
@@ -115,7 +120,26 @@ impl Oscillation<'_> {
     }
 }
 
+/// `t`, and `cos ωt` and `sin(ωt)/ω` of each mode there.
+#[derive(Debug, Default)]
+pub(crate) struct Turned {
+    t: f64,
+    turns: Vec<(f64, f64)>,
+}
+
 impl Guard for Oscillation<'_> {
+    type Shared = Turned;
+
+    fn share(&self, t: f64, shared: &mut Turned) {
+        shared.t = t;
+        shared.turns.clear();
+        shared.turns.extend(self.omega.iter().map(|omega| cosine_and_sine(*omega, t)));
+    }
+
+    fn evaluate_shared(&self, shared: &Turned) -> [f64; 3] {
+        self.sum(shared.t, |k| shared.turns[k])
+    }
+
     fn evaluate(&self, t: f64) -> [f64; 3] {
         self.evaluate(t)
     }
@@ -132,13 +156,14 @@ impl Guard for Oscillation<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::first_root::lowest_of_convex;
+    use crate::first_root::{first_negative, lowest_of_convex};
     use std::f64::consts::PI;
 
     fn first(lambda: &[f64], a: &[f64], b: &[f64], constant: f64, end: f64) -> Option<f64> {
         let omega: Vec<f64> = lambda.iter().map(|λ| λ.sqrt()).collect();
         let (a, b) = (a.to_vec(), b.to_vec());
-        Oscillation { lambda, omega: &omega, a, b, d: Vec::new(), constant }.first_negative(end)
+        let guard = Oscillation { lambda, omega: &omega, a, b, d: Vec::new(), constant };
+        first_negative(&[guard], end).map(|(t, _)| t)
     }
 
     #[test]

@@ -1,5 +1,5 @@
 use nlmodes_contact::ContactBody;
-use nlmodes_linalg::{Mat, multiply, multiply_many};
+use nlmodes_linalg::{Mat, column, multiply, multiply_many};
 use nlmodes_model::MasslessContactModel;
 
 use crate::TimestepError;
@@ -203,11 +203,6 @@ fn combine(rows: &[Row], weight: impl Fn(usize) -> f64) -> Row {
         }
     }
     sum
-}
-
-/// Column `k` as a slice.
-pub(crate) fn column(a: &Mat<f64>, k: usize) -> &[f64] {
-    a.col(k).try_as_col_major().expect("columns of a Mat are contiguous").as_slice()
 }
 
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {

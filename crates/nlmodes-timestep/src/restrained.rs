@@ -1,9 +1,11 @@
-use nlmodes_linalg::{Mat, SparseCholesky, SparseMatrix, bilinear, multiply, select, sparse_from_triplets, triplets};
+use nlmodes_linalg::{
+    Mat, SparseCholesky, SparseMatrix, bilinear, column, multiply, select, sparse_from_triplets, triplets,
+};
 use nlmodes_model::{ContactCoordinates, ContactLaw, LinearModes, MasslessContactModel, linear_modes};
 
 use crate::TimestepError;
 use crate::dynamics::STRAINLESS;
-use crate::phase::{column, dot};
+use crate::phase::dot;
 
 /// The structure with the closed contacts of a phase.
 pub(crate) struct Restrained<'m> {

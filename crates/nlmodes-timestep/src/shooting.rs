@@ -2,7 +2,7 @@ use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 
 use nlmodes_continuation::{Continuation, ContinuationError, Linearization, ParametricSystem, Scaling};
-use nlmodes_linalg::Mat;
+use nlmodes_linalg::{Mat, column};
 
 use crate::phase::dot;
 use crate::{ContactDynamics, GrazingState, ModalState, TimestepError, Trajectory};
@@ -201,9 +201,9 @@ impl ParametricSystem for Shooting {
         let mut gradient = vec![0.0; m];
         let z0 = Mat::from_fn(m, m, |i, j| if i == j { self.units[j] } else { 0.0 });
         let (_, v) = half.transition(z0, Mat::zeros(m, m), |segment, u, w| {
-            for k in 0..m {
-                let [by_u, by_v] = segment.kinetic_gradient(k);
-                (0..m).for_each(|j| gradient[j] += by_u * u[(k, j)] + by_v * w[(k, j)]);
+            let (by_u, by_v): (Vec<f64>, Vec<f64>) = (0..m).map(|k| segment.kinetic_gradient(k).into()).unzip();
+            for (j, gradient) in gradient.iter_mut().enumerate() {
+                *gradient += dot(&by_u, column(u, j)) + dot(&by_v, column(w, j));
             }
         });
         // T/2 = π/ω

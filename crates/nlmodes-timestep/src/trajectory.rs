@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use nlmodes_linalg::Mat;
+use nlmodes_linalg::{Mat, column_mut};
 
 use crate::oscillation::{cosine_and_sine, fall_integral};
 use crate::phase::{Coordinates, Phase};
@@ -118,12 +118,12 @@ impl Trajectory {
             let phase = &segment.phase;
             let (mut u, mut w) = (&phase.turn * &z, &phase.turn * &v);
             each(segment, &u, &w);
-            for k in 0..phase.lambda.len() {
-                let (cos, sin) = cosine_and_sine(phase.omega[k], segment.to - segment.from);
-                for j in 0..u.ncols() {
-                    let (u0, w0) = (u[(k, j)], w[(k, j)]);
-                    u[(k, j)] = u0 * cos + w0 * sin;
-                    w[(k, j)] = w0 * cos - phase.lambda[k] * sin * u0;
+            let turns: Vec<(f64, f64)> =
+                phase.omega.iter().map(|omega| cosine_and_sine(*omega, segment.to - segment.from)).collect();
+            for j in 0..u.ncols() {
+                let states = column_mut(&mut u, j).iter_mut().zip(column_mut(&mut w, j));
+                for (((u, w), (cos, sin)), lambda) in states.zip(&turns).zip(&phase.lambda) {
+                    (*u, *w) = (*u * cos + *w * sin, *w * cos - lambda * sin * *u);
                 }
             }
             (z, v) = (phase.turn.transpose() * &u, phase.turn.transpose() * &w);

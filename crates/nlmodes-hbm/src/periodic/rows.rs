@@ -1,5 +1,5 @@
 use nlmodes_continuation::Linearization;
-use nlmodes_linalg::Mat;
+use nlmodes_linalg::{Mat, column_mut};
 use num_complex::Complex64;
 
 use super::block::HarmonicBlock;
@@ -104,9 +104,8 @@ impl Assembly {
     pub fn write(&self, jacobian: &mut Mat<f64>) {
         let size = self.size();
         for j in 0..size {
-            let column = jacobian.col_mut(j).try_as_col_major_mut().expect("columns of a Mat are contiguous");
             let from = self.rows[j..].iter().step_by(size);
-            column.as_slice_mut().iter_mut().zip(from).for_each(|(to, from)| *to = *from);
+            column_mut(jacobian, j).iter_mut().zip(from).for_each(|(to, from)| *to = *from);
         }
     }
 }

@@ -17,7 +17,7 @@ use super::series::{ORDER, Polynomial, Series};
 use super::trajectory::Running;
 use super::{ForcedStructure, input};
 use crate::TimestepError;
-use crate::first_root::Guard;
+use crate::first_root::{Guard, first_negative};
 
 pub(super) use transition::LawTransitions;
 
@@ -336,8 +336,7 @@ impl<'a> LawSteps<'a> {
 
     /// The first stop that begins or ends to act within a step, a little beyond its end, and when after its beginning.
     fn first_switch(&self, flow: &Flow, w: &[f64], h: f64) -> Option<(usize, f64)> {
-        let mut first: Option<(usize, f64)> = None;
-        for (stop, (l, gap)) in self.structure.law_stops().enumerate() {
+        let guard = |(stop, (l, gap)): (usize, (usize, f64))| {
             let mut guard = flow.laws[l].place.from(w);
             guard.a[0] -= gap;
             if !self.acting[stop] {
@@ -345,12 +344,11 @@ impl<'a> LawSteps<'a> {
             }
             // A guard is zero to rounding after its instant.
             guard.a[0] += (-guard.a[0]).max(0.0);
-            let end = first.map_or((1.0 + AT_INSTANT) * h, |(_, when)| when) / flow.step;
-            if let Some(when) = guard.first_negative(end) {
-                first = Some((stop, when * flow.step));
-            }
-        }
-        first
+            guard
+        };
+        let guards: Vec<_> = self.structure.law_stops().enumerate().map(guard).collect();
+        let end = (1.0 + AT_INSTANT) * h / flow.step;
+        first_negative(&guards, end).map(|(when, stop)| (stop, when * flow.step))
     }
 
     /// The reactions at the nodes of a step of length `h` by Newton's method; `None` where they are not found.

@@ -1,6 +1,6 @@
 use nlmodes_linalg::Mat;
 
-use crate::first_root::{Guard, first_negative, root};
+use crate::first_root::{Guard, root};
 use crate::phase::{dot, transposed_product};
 
 /// Order of the power series of a step: with `‖𝒜‖ h ≤ 2` the remainder is below `2²⁷ / 27! = 2e-20` of the state.
@@ -76,11 +76,6 @@ pub(super) fn size(row: &[f64], w: &[f64]) -> f64 {
 }
 
 impl Polynomial {
-    /// First τ up to `end` at which it becomes negative.
-    pub fn first_negative(&self, end: f64) -> Option<f64> {
-        first_negative(self, end)
-    }
-
     /// Largest value up to `end`: where the slope falls through zero between samples, four for each radian of a step.
     pub fn highest(&self, end: f64) -> f64 {
         const CELLS: usize = 8;
@@ -104,6 +99,16 @@ impl Polynomial {
 }
 
 impl Guard for Polynomial {
+    type Shared = f64;
+
+    fn share(&self, t: f64, shared: &mut f64) {
+        *shared = t;
+    }
+
+    fn evaluate_shared(&self, t: &f64) -> [f64; 3] {
+        self.evaluate(*t)
+    }
+
     fn evaluate(&self, t: f64) -> [f64; 3] {
         let [mut value, mut slope, mut half] = [0.0; 3];
         for a in self.a.iter().rev() {
@@ -126,6 +131,7 @@ impl Guard for Polynomial {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::first_root::first_negative;
 
     #[test]
     fn a_cosine_along_a_turn_has_its_values_roots_extremes_and_integral() {
@@ -137,8 +143,9 @@ mod tests {
             [cos, -2.0 * sin, -4.0 * cos].iter().zip(found).for_each(|(a, b)| assert!((a - b).abs() < 2e-15));
         }
         let quarter = 0.25 * std::f64::consts::PI - 0.3;
-        assert!((of.first_negative(1.0).unwrap() - quarter).abs() < 1e-15);
-        assert!(of.first_negative(quarter - 1e-9).is_none());
+        let first = |end: f64| first_negative(std::slice::from_ref(&of), end);
+        assert!((first(1.0).unwrap().0 - quarter).abs() < 1e-15);
+        assert!(first(quarter - 1e-9).is_none());
         assert!((of.integral(0.8) - 0.5 * (2.2_f64.sin() - 0.6_f64.sin())).abs() < 1e-15);
         assert_eq!(of.highest(1.0), of.a[0]);
         let rising = Series::new(&[1.0, 0.0], &turn, 1.0).from(&[(-0.6_f64).cos(), 0.6_f64.sin()]);

@@ -9,6 +9,7 @@ use super::flow::Flow;
 use super::laws::{LawSteps, LawTransitions};
 use super::series::size;
 use crate::TimestepError;
+use crate::first_root::first_negative;
 use crate::phase::dot;
 
 /// Maximum number of steps of a trajectory that is kept.
@@ -237,20 +238,16 @@ fn wrong(flow: &Flow, running: &Running) -> Option<usize> {
 
 /// Time and index of the first contact change within a part of a step, at whose end guards begin with `after`.
 fn first_switch(flow: &Flow, running: &Running, after: &[[f64; 4]], length: f64) -> Option<(f64, usize)> {
-    let mut first: Option<(f64, usize)> = None;
-    for (i, (before, after)) in running.ahead.iter().zip(after).enumerate() {
-        if before[0].min(after[0]) > reach(before).max(reach(after)) {
-            continue;
-        }
+    let near = running.ahead.iter().zip(after).enumerate();
+    let near = near.filter(|(_, (before, after))| before[0].min(after[0]) <= reach(before).max(reach(after)));
+    let guard = |(i, (before, _)): (usize, (&[f64; 4], _))| {
         let mut guard = flow.watched[i].from(&running.w);
         // A guard is zero to rounding after its contact instant.
         guard.a[0] += (-before[0]).max(0.0);
-        let end = first.map_or(length, |(earliest, _)| earliest) / flow.step;
-        if let Some(when) = guard.first_negative(end) {
-            first = Some((when * flow.step, i));
-        }
-    }
-    first
+        (i, guard)
+    };
+    let (contacts, guards): (Vec<usize>, Vec<_>) = near.map(guard).unzip();
+    first_negative(&guards, length / flow.step).map(|(when, k)| (when * flow.step, contacts[k]))
 }
 
 /// By how much a guard may change within half a step: a step resolves all modes, each of which turns by no more than
