@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 use crate::Watch;
 
 /// Without a number, so many times what is done beside it, and so many seconds at least.
-const TIMES: u32 = 10;
-const LEAST: Duration = Duration::from_secs(20);
+const TIMES: u32 = 3;
+const LEAST: Duration = Duration::from_secs(10);
 
 /// A budget of wall time for optional work: what exceeds it is cut off, and counted.
 #[derive(Debug)]
@@ -19,7 +19,7 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// Of so many seconds; without a number ten times what is done beside it, and twenty seconds at least.
+    /// Of so many seconds; without a number three times what is done beside it, and ten seconds at least.
     pub fn new(seconds: Option<f64>) -> Self {
         let limit = seconds.map(|s| Duration::try_from_secs_f64(s.max(0.0)).unwrap_or(Duration::MAX));
         Self { limit, begun: Instant::now(), spent: Duration::ZERO, left_out: 0 }

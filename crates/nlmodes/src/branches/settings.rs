@@ -117,7 +117,7 @@ pub struct BranchSettings {
     /// these they cost no more than the motions themselves. Default 16.
     pub stability_modes: usize,
     /// Wall time for the stability of points in harmonics, s: of what comes after it none is computed, which the end of
-    /// the branch tells. Default ten times that of the branch, and twenty seconds at least.
+    /// the branch tells. Default three times that of the branch, and ten seconds at least.
     pub stability_budget_s: Option<f64>,
     /// Most points, of all branches together. Default 5000.
     pub max_points: usize,

@@ -29,7 +29,7 @@ pub struct ResponseSettings {
     /// Whether multipliers are computed. Default yes.
     pub stability: bool,
     /// Wall time for the multipliers of a curve, s: of points after it none are computed, which the end of the curve
-    /// tells. Default ten times that of the curve, and twenty seconds at least.
+    /// tells. Default three times that of the curve, and ten seconds at least.
     pub stability_budget_s: Option<f64>,
     /// Error of the largest multiplier, over its distance from the unit circle and over itself, from which on the exact
     /// motion next to a point is sought, whose multipliers then decide. Default 1 %.
