@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use nlmodes_continuation::{
     Bound, Boundary, Continuation, Linearization, ParametricSystem, RunLog, Scaling, StepSettings, StopReason,
 };
+use nlmodes_linalg::{column, column_mut};
 use thiserror::Error;
 
 /// What may be spent on the way to a solution. A search for the half-branches of a corner on it, among a hundred
@@ -19,7 +20,7 @@ pub(super) struct Effort {
 impl Effort {
     /// For a beginning.
     pub const FULL: Self = Self { points: 500, evaluations: 1000 };
-    /// For one of some hundred tries, of which few have to succeed.
+    /// For one of some tens of tries, of which few have to succeed.
     pub const SOME: Self = Self { points: 100, evaluations: 300 };
     /// For one of many tries.
     pub const LITTLE: Self = Self { points: 20, evaluations: 60 };
@@ -64,12 +65,15 @@ impl<S: ParametricSystem> ParametricSystem for Homotopy<'_, S> {
         self.system.linearize(&z[..n], z[n], &mut self.inner).map_err(HomotopyError::System)?;
         for i in 0..n {
             out.residual[i] = self.inner.residual[i] - (1.0 - s) * self.defect[i];
-            (0..=n).for_each(|j| out.jacobian[(i, j)] = self.inner.jacobian[(i, j)]);
-            out.jacobian[(i, n + 1)] = self.defect[i];
             out.sizes[i] = self.inner.sizes[i];
         }
         out.residual[n] = z[self.coordinate] - self.value;
-        (0..=n + 1).for_each(|j| out.jacobian[(n, j)] = if j == self.coordinate { 1.0 } else { 0.0 });
+        for j in 0..=n + 1 {
+            let from = if j > n { &self.defect } else { column(&self.inner.jacobian, j) };
+            let to = column_mut(&mut out.jacobian, j);
+            to[..n].copy_from_slice(&from[..n]);
+            to[n] = if j == self.coordinate { 1.0 } else { 0.0 };
+        }
         Ok(())
     }
 

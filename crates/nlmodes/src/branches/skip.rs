@@ -25,8 +25,8 @@ const BEYOND: (f64, f64) = (2e-4, 1.6);
 /// Relative difference in frequency and energy below which two base points are one.
 const SAME: f64 = 1e-6;
 
-/// Largest growth of that distance.
-const FURTHER: f64 = 2e-3;
+/// Largest growth of that distance, or its share where that is more.
+const FURTHER: (f64, f64) = (2e-3, 0.1);
 
 /// Largest such distance.
 const FURTHEST: f64 = 0.2;
@@ -181,15 +181,16 @@ fn resume(
     let (mut distance, sense) = (BEYOND.0, if upward { 1.0 } else { -1.0 });
     let highest = tracer.settings.max_energy_ratio.map_or(f64::INFINITY, f64::ln);
     let (mut why, mut least, mut has_less) = (None, f64::INFINITY, false);
+    // Where nothing is found the branch is followed, unless it was asked for that none be.
+    let effort = if tracer.settings.internal_resonance == ResonanceRule::Skip { Effort::SOME } else { Effort::LITTLE };
     while distance < FURTHEST {
         let hz = near.omega * (1.0 + sense * distance) / TAU;
-        distance = (distance * BEYOND.1).min(distance + FURTHER);
+        distance += (distance * (BEYOND.1 - 1.0)).min(FURTHER.0.max(distance * FURTHER.1));
         if tracer.settings.frequency_hz.is_some_and(|[low, high]| !(low..=high).contains(&hz)) {
             return Ok(Behind::Limit(window(resonance)));
         }
         let target = Target::Frequency(hz);
         let (structure, settings, grazing) = (tracer.structure, &tracer.settings, tracer.grazing);
-        let effort = Effort::SOME;
         let seed = match refined(structure, settings, grazing, (target, upward), (guides, effort), tracer.log) {
             Ok(seed) => seed,
             Err(error @ BranchError::NoStart { .. }) => {
