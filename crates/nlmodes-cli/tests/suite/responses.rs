@@ -219,8 +219,11 @@ fn a_curve_that_ends_early_is_said_and_the_rest_is_there() -> Outcome {
     let output = run(folder.path(), &text, &["--set", "method.harmonics=5"])?;
     assert_eq!(output.status.code(), Some(1), "{}", said(&output));
     assert!(said(&output).contains("20 points"), "{}", said(&output));
-    assert_eq!(rows(folder.path().join("out/branch.csv"))?.len(), 20);
-    assert_eq!(summary(folder.path())?["curves"][0]["end"]["reason"], "max-points");
+    // From the upper end too, which it did not reach.
+    assert!(said(&output).contains("0.2 N, from the upper end: 20 points"), "{}", said(&output));
+    assert_eq!(rows(folder.path().join("out/branch.csv"))?.len(), 40);
+    let curves = &summary(folder.path())?["curves"];
+    assert_eq!([0, 1].map(|k| curves[k]["end"]["reason"].as_str()), [Some("max-points"); 2], "{curves}");
     Ok(())
 }
 

@@ -233,6 +233,46 @@ fn modes_phase_resonance_and_responses_begin_at_closed_stops() -> Outcome {
     Ok(())
 }
 
+/// A force on a rigid stop that stays closed does no work: its force is the weight's and its own, no amplitude and no
+/// balance of powers is stated; at mid-span both are.
+#[test]
+fn a_force_on_a_closed_stop_does_no_work() -> Outcome {
+    let text = format!("{LEDGE}{WEIGHT}[damping]\nratio = 0.01\n[[force]]\ndirection = \"transverse\"\n")
+        .replace("mass_redistribution = \"drop\"\n", "")
+        .replace("[continuation]\nmax_energy_ratio = 5.0\n", "")
+        + "[output]\nstability = \"never\"\n";
+    for (at_m, works) in [(1.0, false), (0.5, true)] {
+        let force = text.replace("[[force]]\n", &format!("[[force]]\nat_m = {at_m}\n"));
+        let (folder, summary) = run(
+            &format!("{force}[response]\nkind = \"frequency\"\nfrequency_hz = [60.0, 80.0]\nlevels_n = [0.02]\n"),
+            &[],
+        )?;
+        let imbalance = &summary["largest_power_imbalance"];
+        assert_eq!(imbalance.as_f64().is_some_and(|most| most < 1e-9), works, "{imbalance}");
+        assert_eq!(imbalance.is_null(), !works, "{imbalance}");
+        for row in rows(&folder)? {
+            assert_eq!((row["fundamental_m"], row["contact_fraction"]), (0.0, 1.0), "{row:?}");
+            assert!(works || (row["peak_contact_force_n"] / 6.907_335_985_09 - 1.0).abs() < 1e-9, "{row:?}");
+        }
+        let peak = &summary["levels"][0]["peak"];
+        assert_eq!(peak["amplitude_m"].as_f64(), Some(0.0), "{peak}");
+        assert!(number(&peak["peak_contact_force_n"]) > 6.9, "{peak}");
+    }
+    Ok(())
+}
+
+/// Stops that press are told from those of a drawing without loads.
+#[test]
+fn check_speaks_of_loads_where_there_are_any() -> Outcome {
+    for (load, gap) in [("", "gap -0.001 m in the drawing"), (WEIGHT, "gap -0.00236696 m under the loads")] {
+        let folder = tempdir()?;
+        let text = LEDGE.replace("gap_m = 0.0", "gap_m = -1e-3");
+        let (code, said) = call("check", &scene(&folder, &format!("{text}{load}"))?, &[])?;
+        assert!(code == Some(0) && said.contains(gap) && said.contains("mode 1 from lift-off"), "{said}");
+    }
+    Ok(())
+}
+
 /// With many harmonics the end rattles on its ledge, and the mode bends within less than a millionth of its steps.
 #[test]
 fn a_damped_mode_is_followed_where_it_rattles() -> Outcome {

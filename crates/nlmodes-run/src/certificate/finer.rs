@@ -277,8 +277,8 @@ pub(super) fn not_found(lost: &[Place]) -> String {
 }
 
 /// What is reported where no point has a force.
-pub(super) const UNTOUCHED: &str = "no point that was looked at touches a stop";
-pub(super) const TOUCHING: &str = "a branch that goes on beyond the first touch";
+pub(super) const UNTOUCHED: &str = "no stop opens or closes at the points that were looked at";
+pub(super) const TOUCHING: &str = "a branch that goes on beyond the first touch or lift-off";
 
 /// Relative changes of the numbers of one of all points of a branch, in their order; none of forces where no stop is
 /// touched.

@@ -19,10 +19,8 @@ const POWER: f64 = 1e-6;
 pub fn certificate(scene: &Scene, model: &Model, curves: &[ComputedResponse]) -> Certificate {
     let residuals = points(curves).map(|(_, _, point)| point.residual);
     let mut checks = vec![residual(residuals)];
-    if curves.iter().any(|computed| computed.kind.is_forced()) {
-        let words = "difference of input and dissipated power of forced motions, all points";
-        checks.push(Check::found("power balance", imbalance(curves), POWER, words));
-    }
+    let words = "difference of input and dissipated power of forced motions, all points";
+    checks.extend(imbalance(curves).map(|most| Check::found("power balance", most, POWER, words)));
     let (places, mut compared) = (places(curves), Compared::default());
     let mut first = 0;
     for computed in curves {

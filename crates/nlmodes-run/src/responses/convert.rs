@@ -39,6 +39,15 @@ pub fn modal_coordinates(motion: &PeriodicMotion, modes: usize) -> HarmonicCoeff
     modal
 }
 
+/// Rounding of a displacement, whose terms cancel where a rigid stop holds it, m.
+fn rounding(row: &ResponseRow, motion: &PeriodicMotion) -> f64 {
+    let of = |row: &[f64], all: &[Vec<Complex64>]| {
+        let terms = all.iter().flat_map(|z| z.iter().zip(row)).map(|(z, r)| r.abs() * z.norm());
+        terms.sum::<f64>() * row.len() as f64
+    };
+    f64::EPSILON * (of(&row.modes, &motion.eta) + of(&row.contacts, &motion.forces))
+}
+
 impl<'a> Converter<'a> {
     pub fn new(
         model: &'a Model,
@@ -177,10 +186,11 @@ impl<'a> Converter<'a> {
     /// Amplitude of the first contact at the frequency of the load, m; of a free motion with the sign of its
     /// displacement at the phase zero.
     fn fundamental(&self, point: &ResponsePoint) -> f64 {
-        if self.contact.is_none() {
-            return f64::NAN;
-        }
+        let Some(row) = &self.contact else { return f64::NAN };
         let z = self.contact_harmonics(&point.motion).get(self.subharmonic).copied().unwrap_or_default();
+        if z.norm() <= rounding(row, &point.motion) {
+            return 0.0;
+        }
         if self.kind.is_forced() { z.norm() } else { z.norm() * self.first_side() * z.re.signum() }
     }
 

@@ -346,7 +346,7 @@ fn over_frequency(
         }
         curves => curves?,
     };
-    let goes_on = curves.first().is_some_and(|c| !c.end.has(EndReason::MaxPoints) && !c.end.has(EndReason::Stopped));
+    let goes_on = curves.first().is_some_and(|curve| !curve.end.has(EndReason::Stopped));
     let other = match goes_on && settings.subharmonic == 1 {
         true => response_from_other_end(system, level, settings, &curves)?,
         false => None,

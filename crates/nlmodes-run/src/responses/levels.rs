@@ -23,7 +23,7 @@ pub struct Level {
     jumps: Vec<Jump>,
     /// Where a sweep leaves a stable segment without a fold, in the order of the frequencies.
     losses: Vec<Loss>,
-    /// The largest amplitude.
+    /// The largest amplitude; where there is none, the largest contact force.
     peak: Option<Peak>,
 }
 
@@ -203,18 +203,17 @@ impl Level {
         jumps.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
         let mut losses: Vec<Loss> = segments.iter().flat_map(Segment::losses).collect();
         losses.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
-        let each = curves.iter().flat_map(|of| (0..of.branch.points.len()).map(move |k| (*of, k)));
-        let size_of = |(of, k): &(&ComputedResponse, usize)| size(&of.branch.points[*k]);
-        let largest = each.max_by(|a, b| size_of(a).total_cmp(&size_of(b)));
-        let peak = largest.map(|(of, k)| {
-            let point = &of.branch.points[k];
-            Peak {
-                frequency_hz: frequency(point),
-                amplitude_m: size(point),
-                amplitude_error: change(of, k, size),
-                peak_contact_force_n: point.peak_contact_force,
-                stable: point.stability.and_then(|stability| stability.stable),
-            }
+        let each = curves.iter().flat_map(|of| of.branch.points.iter().enumerate().map(move |point| (*of, point)));
+        let largest = each.max_by(|(_, (_, a)), (_, (_, b))| {
+            let forces = || a.peak_contact_force.total_cmp(&b.peak_contact_force);
+            size(a).total_cmp(&size(b)).then_with(forces)
+        });
+        let peak = largest.map(|(of, (k, point))| Peak {
+            frequency_hz: frequency(point),
+            amplitude_m: size(point),
+            amplitude_error: change(of, k, size),
+            peak_contact_force_n: point.peak_contact_force,
+            stable: point.stability.and_then(|stability| stability.stable),
         });
         Self { response, level, stable, jumps, losses, peak }
     }
@@ -229,10 +228,11 @@ impl Level {
             };
             let stable = if peak.stable == Some(false) { ", unstable" } else { "" };
             let (amplitude, error) = (length(peak.amplitude_m), within(peak.amplitude_error));
-            lines.push(format!(
-                "largest amplitude {amplitude}{error} at {} Hz{force}{stable}",
-                short(peak.frequency_hz)
-            ));
+            let what = match peak.amplitude_m {
+                0.0 => "the first contact is at rest".to_owned(),
+                _ => format!("largest amplitude {amplitude}{error}"),
+            };
+            lines.push(format!("{what} at {} Hz{force}{stable}", short(peak.frequency_hz)));
         }
         if !self.stable.is_empty() {
             lines.push(format!("stable from {}", self.stable_text()));

@@ -68,11 +68,16 @@ pub fn write(
     Ok(write_summary(directory.join("summary.json"), &content)?)
 }
 
-/// Largest difference of input and dissipated power, over the latter, of forced motions.
-pub fn imbalance(curves: &[ComputedResponse]) -> f64 {
-    let driven = points(curves).filter_map(|(_, _, point)| point.driven);
-    let powers = driven.filter_map(|driven| Some((driven.input_power?, driven.dissipated_power)));
-    powers.filter(|(_, out)| *out > 0.0).map(|(input, out)| (input / out - 1.0).abs()).fold(0.0, f64::max)
+/// Largest difference of input and dissipated power, over the latter, of forced motions; `None` where no motion
+/// dissipates more than the rounding of its energy, as under a force on a stop that stays closed.
+pub fn imbalance(curves: &[ComputedResponse]) -> Option<f64> {
+    let of = |point: &ModalPoint| {
+        let driven = point.driven?;
+        let (input, out) = (driven.input_power?, driven.dissipated_power);
+        let is_known = out > f64::EPSILON * driven.omega * point.total_energy;
+        is_known.then(|| (input / out - 1.0).abs())
+    };
+    points(curves).filter_map(|(_, _, point)| of(point)).reduce(f64::max)
 }
 
 /// A curve whose first point is the row `first` of `branch.csv`.

@@ -21,7 +21,7 @@ pub fn rows(scene: &Scene, state: Option<&StaticState>) -> Vec<Row> {
     rows.extend(forces.map(|(i, of)| row(format!("static {i}"), force(of, several))));
     rows.extend(loads.thermal.as_ref().map(|of| row("thermal", thermal(of))));
     rows.extend(loads.displacement.as_ref().map(|path| row("displaced", path.display().to_string())));
-    rows.extend(state.into_iter().flat_map(at_rest));
+    rows.extend(state.into_iter().flat_map(|state| at_rest(state, !loads.is_empty())));
     rows
 }
 
@@ -65,7 +65,7 @@ fn thermal(of: &Thermal) -> String {
 }
 
 /// The free gap of each stop, and its force at rest if it is closed there.
-fn at_rest(state: &StaticState) -> Vec<Row> {
+fn at_rest(state: &StaticState, is_loaded: bool) -> Vec<Row> {
     let rest = &state.rest;
     let closed = rest.closed.iter().filter(|closed| **closed).count();
     let said = match closed {
@@ -76,17 +76,17 @@ fn at_rest(state: &StaticState) -> Vec<Row> {
         n => format!("{} of {} closed", n, counted(state.free_gaps.len(), "stop")),
     };
     let stop = |(i, gap): (usize, &f64)| {
-        let gap = short(*gap);
-        let (gap, where_) = match state.is_carried() {
-            true => (short(state.free_gaps[i] + state.toward(i)), "in the drawing"),
-            false => (gap, "under the loads with open stops"),
+        // What contacts alone carry has no place under the loads without them.
+        let (gap, where_) = match is_loaded && !state.is_carried() {
+            true => (*gap, "under the loads with open stops"),
+            false => (gap + state.toward(i), "in the drawing"),
         };
         let text = match (rest.closed.get(i), rest.forces.get(i)) {
             (Some(true), Some(force)) => format!("closed, {} N", short(*force)),
             (Some(false), _) => format!("open by {} m", short(rest.gaps[i])),
             _ => "not known, since the structure floats".to_owned(),
         };
-        row("", format!("stop {i}: gap {gap} m {where_}; {text}"))
+        row("", format!("stop {i}: gap {} m {where_}; {text}", short(gap)))
     };
     let each = state.free_gaps.iter().enumerate().take(LISTED).map(stop);
     std::iter::once(row("at rest", said)).chain(each).collect()

@@ -32,8 +32,12 @@ pub fn rows(scene: &Scene, open: Option<&OpenStructure>, state: Option<&StaticSt
         rows.push(row("method", method(scene)));
     }
     if scene.responses.is_empty() && scene.transient.is_none() {
-        let is_pressed = state.is_some_and(|state| state.rest.closed.contains(&true));
-        let reference = if is_pressed { "lift-off" } else { "grazing" };
+        let closed = state.map_or(&[][..], |state| &state.rest.closed);
+        let reference = match (closed.contains(&true), closed.contains(&false)) {
+            (true, true) => "lift-off or grazing",
+            (true, false) => "lift-off",
+            _ => "grazing",
+        };
         rows.push(row("branch", branch(&scene.continuation, scene.method.mode, reference)));
     }
     rows.extend(responses::rows(scene));

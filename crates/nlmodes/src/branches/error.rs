@@ -34,7 +34,7 @@ pub enum BranchError {
     )]
     NotHarmonic,
     /// The backbone does not lead to the starting frequency.
-    #[error("no point of the backbone was found at {hz} Hz: {reason}")]
+    #[error("no point of the backbone was found at {hz:.6} Hz: {reason}")]
     NoStart {
         /// The frequency asked for, Hz.
         hz: f64,
