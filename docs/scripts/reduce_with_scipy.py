@@ -19,7 +19,13 @@ L = sp.csc_matrix((weights, (dofs, rows)), shape=(n, len(ROWS)))
 
 def modes(shift):
     """Lowest squares and shapes with Φᵀ M Φ = 1, and the solver with K + shift M."""
-    solve = spla.splu((K + shift * M).tocsc()).solve
+    shifted = (K + shift * M).tocsc()
+    factor = spla.splu(shifted)
+
+    def solve(b):  # once more for what rounding has left: 1e-9 of large models
+        x = factor.solve(b)
+        return x + factor.solve(b - shifted @ x)
+
     inverse = spla.LinearOperator(K.shape, solve)
     squares, shapes = spla.eigsh(K, MODES, M, sigma=-shift, OPinv=inverse, tol=1e-12)
     order = np.argsort(squares)
@@ -27,18 +33,19 @@ def modes(shift):
 
 
 FLOATS, FIRST_HZ = 0, 10.0  # number of rigid-body motions, and about the first frequency beyond them
-if FLOATS == 0:
-    squares, shapes, solve = modes(0.0)
-    flexibility = {"flexibility": L.T @ solve(L.toarray())}
-else:
-    shift = (2 * np.pi * FIRST_HZ) ** 2
-    squares, shapes, solve = modes(shift)
-    squares[:FLOATS] = 0.0
-    loads = L.toarray() - M @ (shapes @ (shapes.T @ L.toarray()))  # in balance
-    x = solve(loads)
-    for _ in range(30):  # each time what is missing shrinks by shift/(ω² + shift), ω the first mode left out
-        x = solve(loads + shift * (M @ x))
-        x -= shapes @ (shapes.T @ (M @ x))
-    flexibility = {"residual": L.T @ x}
+shift = (2 * np.pi * FIRST_HZ) ** 2 if FLOATS else 0.0
+squares, shapes, solve = modes(shift)
+squares[:FLOATS] = 0.0
 
-np.savez("modes.npz", frequencies=np.sqrt(squares) / (2 * np.pi), rows=L.T @ shapes, **flexibility)
+
+def beyond_modes(x):
+    return x - shapes @ (shapes.T @ (M @ x))
+
+
+# Not Lᵀ K⁻¹ L less what the modes have of it: of that difference rounding would leave fewer digits.
+loads = L.toarray() - M @ (shapes @ (shapes.T @ L.toarray()))
+x = beyond_modes(solve(loads))
+for _ in range(30 if FLOATS else 0):  # each time what is missing shrinks by shift/(ω² + shift), ω the first mode left out
+    x = beyond_modes(solve(loads + shift * (M @ x)))
+
+np.savez("modes.npz", frequencies=np.sqrt(squares) / (2 * np.pi), rows=L.T @ shapes, residual=L.T @ x)
