@@ -82,6 +82,7 @@ pub mod lcp;
 pub mod linear;
 mod links;
 pub mod mass;
+mod model;
 mod motion;
 mod observer;
 pub mod open_modes;

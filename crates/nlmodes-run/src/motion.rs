@@ -9,7 +9,7 @@ use nlmodes::response::Weights;
 use nlmodes_scene::scene::Scene;
 use num_complex::Complex64;
 
-use crate::responses::Model;
+use crate::model::Model;
 use crate::verify::{VerifyError, results};
 
 /// A periodic motion of results as its harmonics.

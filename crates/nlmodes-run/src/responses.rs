@@ -3,20 +3,16 @@
 mod certified;
 mod convert;
 mod curves;
-mod damping;
-mod exact;
 mod figures;
 mod gradients;
-mod laws;
 mod levels;
-mod model;
 mod overlaid;
 mod page;
 mod picture;
-mod structure;
 mod summary;
 mod sweeps;
 mod tables;
+mod unstable;
 mod viewed;
 
 use std::cell::RefCell;
@@ -35,6 +31,7 @@ use crate::curve::stress::{Stress, chosen};
 use crate::curve::{self, Curve, histories};
 use crate::doubts;
 use crate::journal::Journal;
+use crate::model::Model;
 use crate::overlay::LaidCurve;
 use crate::settings::Checked;
 use crate::style::style_of;
@@ -43,13 +40,10 @@ use crate::{Event, Failure, Observer, Over, RunError, links, no_contact};
 pub use curves::ComputedResponse;
 use curves::{Job, detached, follow, jobs};
 pub(crate) use curves::{curves_at, resonances_to};
-pub(crate) use exact::{push_laws, structure};
 pub(crate) use gradients::gradients_at;
 pub use levels::Level;
-pub(crate) use model::Model;
 use overlaid::Beside;
 pub(crate) use picture::{effects, picture};
-pub(crate) use structure::{Reduced, base_force};
 use sweeps::Sweep;
 use viewed::{pictured_of, viewed};
 
@@ -131,7 +125,14 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
     let Following { observer, curves, failed, .. } = following;
     let sweeps = if not_begun.is_some() { Vec::new() } else { sweeps::all(&file, &model, observer)? };
     let certificate = certified::certificate(&file.scene, &model, &curves);
-    let levels = levels::all(&curves, &sweeps);
+    let mut levels = levels::all(&curves, &sweeps);
+    if observer.certifies() && !observer.is_cancelled() {
+        let mut look = |check, point, number| {
+            observer.event(Event::Looking { check, point, number });
+            !observer.is_cancelled()
+        };
+        unstable::follow((&file.scene, &model), &curves, &mut levels, &mut look);
+    }
     let beside = |curve: &LaidCurve| (curve.clone(), overlaid::beside(curve, &curves));
     let compared: Vec<(LaidCurve, Vec<Beside>)> = laid.iter().map(beside).collect();
     let left_out = compared.iter().filter_map(|(curve, found)| overlaid::left_out(curve, found));

@@ -13,8 +13,13 @@ use std::path::Path;
 use serde::Serialize;
 
 pub use error::SettleError;
+pub(crate) use near::Row;
+pub(crate) use search::Forced;
 use search::Search;
 pub use verified::{ExactResponse, FoundResponse, verify_response};
+
+use crate::model::Model;
+use crate::motion::Motion;
 
 /// How a point is disturbed, and how long it is followed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -129,6 +134,19 @@ pub fn settle(directory: &Path, point: usize, settings: SettleSettings) -> Resul
         }
     }
     settled(&Search::read(directory, point)?, settings)
+}
+
+/// The same of a point of curves in memory; `rows` has all of them.
+///
+/// # Errors
+/// [`SettleError`].
+pub(crate) fn settle_in_memory(
+    model: &Model,
+    at: Forced,
+    motion: &Motion,
+    rows: &[Row],
+) -> Result<Settled, SettleError> {
+    settled(&Search::new(model, at, motion, rows.to_vec())?, SettleSettings::default())
 }
 
 fn settled(search: &Search, settings: SettleSettings) -> Result<Settled, SettleError> {

@@ -15,7 +15,7 @@ use nlmodes_scene::scene::{Scene, Transient};
 use nlmodes_scene::{SceneFile, number};
 
 use crate::claim::Claim;
-use crate::responses::Model;
+use crate::model::Model;
 use crate::settings::Checked;
 use crate::updating::updated;
 use crate::{Event, Failure, Observer, Over, RunError, chain, doubts, links};

@@ -225,17 +225,30 @@ fn with_laws() -> String {
 }
 
 #[test]
-fn with_laws_of_force_the_exact_motion_has_the_multiplier_of_the_point() -> Outcome {
-    let folder = results(&with_laws())?;
+fn with_laws_of_force_the_exact_motion_has_the_multiplier_of_the_point_and_unstable_stretches_are_certified() -> Outcome
+{
+    let folder = tempdir()?;
+    fs::write(folder.path().join("scene.toml"), with_laws())?;
+    let output = call(folder.path(), &["run", "scene.toml", "--certify", "--out", "out"])?;
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let said = String::from_utf8(output.stdout)?;
     let all = points(folder.path())?;
-    // Between the folds.
-    let unstable: Vec<&Point> = all.iter().filter(|p| p.multiplier > 1.2 && p.angle == 0.0).collect();
-    let point = unstable.get(unstable.len() / 2).ok_or("no unstable point")?;
-    let found = settled(folder.path(), &point.number)?;
-    assert_eq!(found["kind"], "other", "{found}");
-    let multiplier = found["multiplier"].as_array().ok_or("no multiplier")?;
-    let size = multiplier.iter().filter_map(Value::as_f64).map(|v| v * v).sum::<f64>().sqrt();
-    assert!((size / point.multiplier - 1.0).abs() < 0.05, "{size} {}", point.multiplier);
+    let summary: Value = serde_json::from_slice(&fs::read(folder.path().join("out/summary.json"))?)?;
+    let stretches = summary["levels"][0]["unstable"].as_array().ok_or("no unstable stretch")?;
+    assert!(!stretches.is_empty() && said.contains("unstable from "), "{said}");
+    for stretch in stretches {
+        let number = stretch["point"].as_u64().ok_or("no point")? as usize;
+        let (point, found) = (&all[number], settled(folder.path(), &number.to_string())?);
+        assert_eq!(stretch["becomes"]["kind"], found["kind"], "{number}");
+        // Files have fewer digits than the motions in memory.
+        let after = |of: &Value| of["after"]["largest_m"].as_f64();
+        if let (Some(a), Some(b)) = (after(&stretch["becomes"]), after(&found)) {
+            assert!((a / b - 1.0).abs() < 1e-6, "{number}: {a} {b}");
+        }
+        let multiplier = found["multiplier"].as_array().ok_or("no multiplier")?;
+        let size = multiplier.iter().filter_map(Value::as_f64).map(|v| v * v).sum::<f64>().sqrt();
+        assert!((size / point.multiplier - 1.0).abs() < 0.05, "{number}: {size} {}", point.multiplier);
+    }
     // A stable one comes back.
     let stable = all.iter().find(|p| p.multiplier < 0.9 && p.amplitude > 1.0).ok_or("no stable point")?;
     let found = settled(folder.path(), &stable.number)?;

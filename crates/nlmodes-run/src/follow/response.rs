@@ -13,7 +13,8 @@ use super::family::Texts;
 use super::{FollowError, FollowSettings, Followed, Wanted};
 use crate::chain;
 use crate::gradients::with_modes;
-use crate::responses::{Model, curves_at, gradients_at, resonances_to};
+use crate::model::Model;
+use crate::responses::{curves_at, gradients_at, resonances_to};
 
 /// Follows each fold, or first touch, of the response at the level, or its phase resonance.
 pub fn follow(

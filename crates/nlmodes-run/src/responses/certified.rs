@@ -6,11 +6,11 @@ use nlmodes::modal::ModalPoint;
 use nlmodes_scene::scene::Scene;
 
 use super::curves::ComputedResponse;
-use super::model::Model;
 use super::summary::imbalance;
 use super::tables::points;
 use crate::certificate::finer::{Compared, changes, more_modes, of_responses, open_modes};
 use crate::certificate::{Certificate, Check, ErrorSource, Number, Place, SourceKind, mesh, required, residual};
+use crate::model::Model;
 
 /// Input and dissipated power agree in the equations themselves; what is left comes from where contacts open and close.
 const POWER: f64 = 1e-6;

@@ -8,9 +8,9 @@ use nlmodes::response::{Appropriation, ResponseError, ResponseModel, ResponsePoi
 use nlmodes_scene::scene::ResponseKind;
 use num_complex::Complex64;
 
-use super::model::{Model, Parameter};
 use crate::curve::LINEAR_MODES;
 use crate::gradients::gradient;
+use crate::model::{Model, Parameter};
 use crate::physical::count_from_drawing;
 use crate::sliding::speed;
 

@@ -16,8 +16,8 @@ use nlmodes_scene::scene::{AtBranchPoint, Response, ResponseKind, Scene, Stabili
 
 use super::convert::Converter;
 use super::gradients::gradients;
-use super::model::Model;
 use crate::chain;
+use crate::model::Model;
 
 /// A curve that was computed.
 #[derive(Debug)]

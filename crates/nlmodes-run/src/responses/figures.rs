@@ -7,10 +7,10 @@ use nlmodes::report::{Figure, LineKind, Quantity, ReportError, ResponseFigure, R
 use nlmodes_scene::scene::{ResponseKind, Scene};
 
 use super::curves::ComputedResponse;
-use super::model::Model;
 use super::sweeps::Sweep;
 use crate::Failure;
 use crate::curve;
+use crate::model::Model;
 use crate::overlay::LaidCurve;
 
 /// Name of the file, title, and the figure.

@@ -3,7 +3,7 @@
 use nlmodes::response::{Gradients, ParameterState, ResponseError, ResponseModel, ResponseSettings, Weights};
 use nlmodes_scene::scene::Scene;
 
-use super::model::{Model, Parameter};
+use crate::model::{Model, Parameter};
 
 /// What the parameters of the scene do to the structure and the load of a response, at one of its levels where its
 /// motions are at that; along others the level is no value of the scene.

@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use super::curves::ComputedResponse;
 use super::sweeps::Sweep;
+use super::unstable::Unstable;
 use crate::certificate::share;
 
 /// The responses at one level, over all curves over the frequency that have it.
@@ -25,6 +26,9 @@ pub struct Level {
     losses: Vec<Loss>,
     /// The largest amplitude; where there is none, the largest contact force.
     peak: Option<Peak>,
+    /// What unstable motions become, in the order of the curves: of `run --certify`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) unstable: Vec<Unstable>,
 }
 
 /// A jump from a fold to another stable motion.
@@ -215,7 +219,12 @@ impl Level {
             peak_contact_force_n: point.peak_contact_force,
             stable: point.stability.and_then(|stability| stability.stable),
         });
-        Self { response, level, stable, jumps, losses, peak }
+        Self { response, level, stable, jumps, losses, peak, unstable: Vec::new() }
+    }
+
+    /// Whether a curve is one of this level.
+    pub(super) fn is_of(&self, computed: &ComputedResponse) -> bool {
+        (self.response, Some(self.level)) == (computed.response + 1, computed.level)
     }
 
     /// The level in some lines: its peak, the stable ranges, and what a sweep meets. `unit` is that of the load.
@@ -274,7 +283,8 @@ impl Level {
             };
             format!("a sweep {} loses its stability {at}{event}", loss.direction)
         };
-        self.jumps.iter().map(jump).chain(self.losses.iter().map(loss)).collect()
+        let unstable = self.unstable.iter().map(Unstable::text);
+        self.jumps.iter().map(jump).chain(self.losses.iter().map(loss)).chain(unstable).collect()
     }
 }
 
@@ -422,10 +432,10 @@ fn change(of: &ComputedResponse, point: usize, quantity: fn(&ModalPoint) -> f64)
     Some((after / before - 1.0).abs())
 }
 
-fn frequency(point: &ModalPoint) -> f64 {
+pub(super) fn frequency(point: &ModalPoint) -> f64 {
     hertz(point.listed_omega())
 }
 
-fn size(point: &ModalPoint) -> f64 {
+pub(super) fn size(point: &ModalPoint) -> f64 {
     point.fundamental.abs()
 }

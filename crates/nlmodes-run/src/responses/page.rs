@@ -11,7 +11,6 @@ use nlmodes_scene::{number, short};
 use super::curves::ComputedResponse;
 use super::figures::{self, Named, kind};
 use super::levels::{self, Level};
-use super::model::Model;
 use super::viewed::{Viewed, pictured_of};
 use crate::Failure;
 use crate::certificate::Certificate;
@@ -20,6 +19,7 @@ use crate::curve::histories::Reference;
 use crate::curve::page::{self, Certified, Content};
 use crate::curve::space::Period;
 use crate::curve::stops::held_ends;
+use crate::model::Model;
 
 /// What is on the page beside the curves.
 pub struct Shown<'a> {

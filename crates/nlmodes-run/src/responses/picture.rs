@@ -10,11 +10,11 @@ use nlmodes_scene::scene::StabilityChoice;
 use serde_json::{Value, json};
 
 use super::curves::{ComputedResponse, follow, jobs};
-use super::model::Model;
 use super::viewed::viewed;
 use crate::RunError;
 use crate::curve::Curve;
 use crate::curve::picture::{self, MOST_POINTS};
+use crate::model::Model;
 
 /// Computes the first curve of each level of the first response, without stability.
 ///

@@ -10,7 +10,6 @@ use serde_json::{Value, json};
 
 use super::curves::ComputedResponse;
 use super::levels::Level;
-use super::model::Model;
 use super::sweeps::Sweep;
 use super::tables::points;
 use super::viewed::{Viewed, pictured_of, viewed};
@@ -18,6 +17,7 @@ use crate::Failure;
 use crate::certificate::Certificate;
 use crate::curve::space::Period;
 use crate::curve::summary::{At, AtRest, ContactAt, End, Reduction, Resonance, Stability, largest_residual};
+use crate::model::Model;
 
 /// Writes it.
 pub fn write(

@@ -11,9 +11,9 @@ use nlmodes_scene::{SceneFile, number};
 use num_complex::Complex64;
 use serde_json::{Value, json};
 
-use super::exact::{push_laws, structure};
-use super::model::Model;
 use crate::course::Cosine;
+use crate::model::Model;
+use crate::model::{push_laws, structure};
 use crate::{Event, Observer, RunError, chain};
 
 /// Bandwidths `2 ζ f` of the mode by which the frequency moves in the time `1/(2 ζ f)`, where the scene does not say.

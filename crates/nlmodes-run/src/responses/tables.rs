@@ -9,11 +9,11 @@ use nlmodes::report::{ReportError, write_rows};
 use nlmodes_scene::scene::Scene;
 
 use super::curves::ComputedResponse;
-use super::model::Model;
 use super::viewed::viewed;
 use crate::Failure;
 use crate::curve::Curve;
 use crate::forces::{self, Forces};
+use crate::model::Model;
 
 /// All points of the curves in the order of `branch.csv`, with the curve of each.
 pub fn points(curves: &[ComputedResponse]) -> impl Iterator<Item = (usize, &ComputedResponse, &ModalPoint)> {

@@ -14,9 +14,9 @@ use nlmodes_scene::scene::{ResponseKind, Scene};
 
 use super::convert::modal_coordinates;
 use super::curves::ComputedResponse;
-use super::model::Model;
 use crate::Failure;
 use crate::curve::{Curve, Grid, Instants};
+use crate::model::Model;
 use crate::physical::count_history_from_drawing;
 
 /// A curve of motions of the model of a scene.

@@ -15,8 +15,8 @@ use super::lines::two_lines;
 use super::near::{self, Row};
 use super::{Becomes, SettleError, SettleSettings, Size};
 use crate::chain;
+use crate::model::Model;
 use crate::motion::{Motion, scene_of, state_of};
-use crate::responses::Model;
 
 /// States of a period that are looked at.
 const STATES: usize = 16;
@@ -129,6 +129,16 @@ impl Search {
         };
         let structure = structure.map_err(|error| failed(&error))?;
         Self::of(structure, &model, (at, is_free), &motion, rows)
+    }
+
+    /// Of a point with its motion among those of `rows`; finds the exact motion next to it.
+    ///
+    /// # Errors
+    /// [`SettleError`].
+    pub fn new(model: &Model, at: Forced, motion: &Motion, rows: Vec<Row>) -> Result<Self, SettleError> {
+        let failed = |error: &(dyn std::error::Error + 'static)| SettleError::Structure { reason: chain(error) };
+        let structure = model.response().in_time(at.omega).map_err(|error| failed(&error))?;
+        Self::of(structure, model, (at, false), motion, rows)
     }
 
     fn of(

@@ -50,6 +50,20 @@ impl Becomes {
         }
     }
 
+    /// In a few words.
+    pub(crate) fn short_text(&self) -> String {
+        match self {
+            Self::Periodic { returns: true, .. } => "themselves again".to_owned(),
+            Self::Periodic { periods, .. } => format!("periodic in {periods} periods of the load"),
+            Self::TwoLines { beat_hz, .. } => format!("two lines that beat with {} Hz", short(*beat_hz)),
+            Self::Irregular { .. } => "irregular".to_owned(),
+            Self::Other { nearest_point, .. } => {
+                let near = nearest_point.map(|point| format!(", that of point {point}")).unwrap_or_default();
+                format!("another motion of the same period{near}")
+            }
+        }
+    }
+
     fn text(&self) -> String {
         match self {
             Self::Periodic { returns: true, largest_multiplier, .. } => {

@@ -9,7 +9,7 @@ use nlmodes_scene::scene::{Course, LoadOn, Place, Transient};
 
 use super::noise;
 use crate::course::{Cosine, Lines, chirp, half_sine};
-use crate::responses::{Model, Reduced, base_force, push_laws, structure};
+use crate::model::{Model, Reduced, base_force, push_laws, structure};
 use crate::{RunError, chain, two_columns};
 
 /// A structure with its loads.

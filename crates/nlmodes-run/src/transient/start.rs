@@ -5,8 +5,8 @@ use std::path::Path;
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::scene::TransientStart;
 
+use crate::model::Model;
 use crate::motion::{Motion, scene_of, state_of};
-use crate::responses::Model;
 use crate::{RunError, chain};
 
 /// Modal coordinates, their rates, and displacements of the dissipative stops at the beginning.

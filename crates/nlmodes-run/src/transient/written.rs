@@ -18,7 +18,7 @@ use super::spectrum::spectrum;
 use crate::Failure;
 use crate::curve::figures::drawn;
 use crate::curve::page::{self, Content as PageContent};
-use crate::responses::Model;
+use crate::model::Model;
 use crate::style::style_of;
 
 /// What the files are about.

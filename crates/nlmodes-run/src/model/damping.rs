@@ -5,7 +5,7 @@ use nlmodes::model::StructuralModel;
 use nlmodes::response::Damping;
 use nlmodes_scene::scene::{ModeDamping, Scene};
 
-use super::structure::Reduced;
+use super::Reduced;
 
 /// Squared frequencies that differ by less, relative to them, are one: a mode may then be a mixture of those of several
 /// structures.

@@ -1,3 +1,10 @@
+//! The structure of a scene in its free-interface modes, with damping, laws of force and load.
+
+mod damping;
+mod exact;
+mod laws;
+mod structure;
+
 use std::sync::Arc;
 
 use nlmodes::hbm::{HbmError, PowerDamper};
@@ -10,9 +17,11 @@ use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::{OpenStructure, StaticState, Structures};
 use nlmodes_scene::scene::{Place, Response, ResponseKind, Scene, SceneState, Sensitivity, Side};
 
-use super::damping::damping;
-use super::laws;
-use super::structure::{Reduced, base_motion, reduced};
+use damping::damping;
+pub use exact::{push_laws, structure};
+pub use structure::{Reduced, base_force};
+use structure::{base_motion, reduced};
+
 use crate::curve::stress::Stress;
 use crate::gradients::{direction as direction_of, with_modes};
 use crate::physical::of_dofs;

@@ -5,7 +5,7 @@ use nlmodes::response::{Weights, exact_structure};
 use nlmodes::timestep::ForcedStructure;
 use nlmodes_scene::SceneFile;
 
-use super::model::Model;
+use super::Model;
 use crate::{RunError, chain};
 
 /// The structure of a model as the exact integration has it: modes, residual flexibility, stops.
