@@ -33,6 +33,7 @@ mod observer;
 mod options;
 mod program;
 mod progress;
+mod results;
 mod run;
 mod settle;
 mod status;

@@ -8,6 +8,7 @@ use nlmodes_run::chain;
 use nlmodes_run::settle::{SettleError, SettleSettings, settle};
 
 use crate::Status;
+use crate::results::entered;
 use crate::terminal::print;
 
 /// Command-line arguments.
@@ -33,7 +34,8 @@ pub struct Arguments {
 /// Follows the point, prints what it becomes and writes it beside the results.
 pub fn run(arguments: &Arguments) -> Status {
     let settings = SettleSettings { disturbance: arguments.disturbance, periods: arguments.periods };
-    let found = match settle(&arguments.results, arguments.point, settings) {
+    let results = entered(&arguments.results);
+    let found = match settle(&results, arguments.point, settings) {
         Ok(found) => found,
         Err(error) => {
             say!("error: {}: {}", arguments.results.display(), chain(&error));
@@ -44,7 +46,7 @@ pub fn run(arguments: &Arguments) -> Status {
         }
     };
     let status = print(&if arguments.json { found.json() } else { found.text() });
-    if let Err(error) = write_summary(arguments.results.join("settled.json"), &found) {
+    if let Err(error) = write_summary(results.join("settled.json"), &found) {
         say!("error: {}", chain(&error));
         return Status::EndedEarly;
     }

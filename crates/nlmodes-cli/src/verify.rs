@@ -1,6 +1,6 @@
 //! `nlmodes-cli verify`: one period of the full structure, without truncation of harmonics, from a computed point.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use nlmodes::timestep::TimestepError;
@@ -9,6 +9,7 @@ use nlmodes_run::settle::{SettleError, verify_response};
 use nlmodes_run::verify::{Point, VerifyError, verify};
 
 use crate::Status;
+use crate::results::entered;
 use crate::terminal::print;
 
 /// Command-line arguments.
@@ -24,9 +25,10 @@ pub struct Arguments {
 
 /// Verifies the point and prints the result.
 pub fn run(arguments: &Arguments) -> Status {
-    let point = match Point::read(&arguments.results, arguments.point) {
+    let results = entered(&arguments.results);
+    let point = match Point::read(&results, arguments.point) {
         Ok(point) => point,
-        Err(VerifyError::Responses) => return response(arguments),
+        Err(VerifyError::Responses) => return response(arguments, &results),
         Err(error) => return refuse(arguments, &error, Status::Wrong),
     };
     match verify(&point) {
@@ -37,8 +39,8 @@ pub fn run(arguments: &Arguments) -> Status {
 }
 
 /// Verifies a point of responses.
-fn response(arguments: &Arguments) -> Status {
-    match verify_response(&arguments.results, arguments.point) {
+fn response(arguments: &Arguments, results: &Path) -> Status {
+    match verify_response(results, arguments.point) {
         Ok(found) => print(found.text().trim_end()),
         Err(error) => {
             say!("error: {}: {}", arguments.results.display(), chain(&error));

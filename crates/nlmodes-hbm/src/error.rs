@@ -36,6 +36,12 @@ pub enum HbmError {
         springs and dampers that follow one"
     )]
     LawsInGradient,
+    /// Laws of force have no place at rest under static loads.
+    #[error(
+        "no place at rest is found under the static loads: the laws of force may give way under them, or hold a \
+        structure that floats without them"
+    )]
+    LawsAtRest,
     /// The mode number is zero or beyond the number of modes.
     #[error("mode {mode} does not exist: the structure has {available} \
         {}", if *.available == 1 { "mode" } else { "modes" })]

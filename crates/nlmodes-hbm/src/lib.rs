@@ -95,8 +95,8 @@ pub use history::ContactDefects;
 pub use ladder::{FEW_HARMONICS, harmonics_on_the_way};
 pub use mixed_shooting::{MAX_HARMONICS, MixedShooting, MixedShootingSettings, Scales};
 pub use periodic::{
-    Bilinear, Exponential, ForceLaw, HertzStop, LawForce, ModeStart, PlacedLaw, Polynomial, PowerDamper, PowerSpring,
-    TableLaw, largest_value, law_length, modal_start, touch_spans,
+    Bilinear, Exponential, ForceLaw, HertzStop, LawAtRest, LawForce, ModeStart, PlacedLaw, Polynomial, PowerDamper,
+    PowerSpring, TableLaw, about_rest_of_law, largest_value, law_length, laws_at_rest, modal_start, touch_spans,
 };
 pub use periodic::{
     ChangedParts, Closing, ClosingEquation, Column, ContactMotion, Coordinates, DampedStop, EnergyGiven, Floquet,

@@ -36,8 +36,8 @@ pub use damped_stop::DampedStop;
 pub use damping::ModalDamping;
 pub use floquet::Floquet;
 pub use law::{
-    Bilinear, Exponential, ForceLaw, HertzStop, LawForce, ModeStart, PlacedLaw, Polynomial, PowerDamper, PowerSpring,
-    TableLaw, law_length, modal_start, touch_spans,
+    Bilinear, Exponential, ForceLaw, HertzStop, LawAtRest, LawForce, ModeStart, PlacedLaw, Polynomial, PowerDamper,
+    PowerSpring, TableLaw, about_rest_of_law, law_length, laws_at_rest, modal_start, touch_spans,
 };
 pub use load::{Load, LoadTerm};
 pub use motion::{ContactMotion, PeriodicMotion, largest_value};

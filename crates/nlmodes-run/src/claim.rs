@@ -14,7 +14,7 @@ use nlmodes::report::{ReportError, write_summary};
 use serde_json::{Value, json};
 
 use crate::files::{DEPTH, RUN, STEPS, remove_all, remove_ends, remove_figures_of_records, remove_temporary};
-use crate::{Event, Observer, RunError};
+use crate::{Event, Observer, RunError, started_in};
 use keys::written_key;
 use nlmodes_scene::{Document, SceneFile};
 use replaced::Replaced;
@@ -133,7 +133,9 @@ impl Claim {
             remove_all(directory, &["branch.csv", "modal_points.csv", STEPS]);
             remove_all(directory, &BACKBONES);
         }
-        write_summary(directory.join(RUN), &self.content)
+        let content = self.content.as_object().into_iter().flatten().map(|(key, value)| (key.clone(), value.clone()));
+        let folder = started_in::seen_from(directory).map(|folder| ("folder".to_owned(), json!(folder)));
+        write_summary(directory.join(RUN), &content.chain(folder).collect::<Value>())
     }
 }
 

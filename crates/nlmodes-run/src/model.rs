@@ -120,7 +120,9 @@ impl Model {
             }
             Ok(weights)
         };
-        let laws::Laws { springs, stops } = laws::add(file, &mut response, &at, structures)?;
+        let laws::Laws { springs, stops, rest } =
+            laws::add(file, &mut response, &at, (structures, parts.state.as_ref()))?;
+        let drawn = drawn_gaps(&parts);
         check_mode(file, &response, parts.reduction.as_ref())?;
         let omega = parts.open.omega_squared().get(scene.method.mode - 1).map_or(0.0, |w| w.max(0.0).sqrt());
         let mut beyond_modes = Vec::new();
@@ -175,12 +177,15 @@ impl Model {
                 None => default.clone(),
             });
         }
+        if let Some(rest) = rest {
+            parts = parts.resting(rest).map_err(|error| refusal::at(file, scene.static_loads.first_key(), &error))?;
+        }
         let Reduced { recorded, coordinates, .. } = &parts;
         let contact_coordinates: Vec<Option<usize>> =
             contacts.iter().map(|weights| coordinate(weights, recorded)).collect();
         let model = Self {
             parameters: parameters(file, (parts.open.n_modes(), parts.reduction.as_ref()), structures)?,
-            gaps: [drawn_gaps(&parts), law_gaps].concat(),
+            gaps: [drawn, law_gaps].concat(),
             moved: parts.state.as_ref().map(|state| of_dofs(state, &parts.recorded)).unwrap_or_default(),
             state: parts.state.clone(),
             response,
@@ -248,10 +253,16 @@ impl Model {
         structure.omega_squared().get(mode.checked_sub(1)?).map(|w| w.max(0.0).sqrt())
     }
 
+    /// The displacement whose amplitude points have: of the first contact toward its stop, without one of the first
+    /// spring, without both of the first force.
+    pub fn first_place(&self) -> Weights {
+        let first = self.contacts.first().or(self.springs.first()).or(self.force_places.first());
+        first.cloned().unwrap_or_default()
+    }
+
     /// What static loads move the first contact toward its stop, m.
     pub fn toward_first(&self) -> f64 {
-        let pair = self.gaps.first().zip(self.open_modes().gaps().first());
-        pair.map_or(0.0, |(drawn, gap)| drawn - gap)
+        self.state.as_ref().map_or(0.0, |state| state.toward(0))
     }
 
     /// The reduction.

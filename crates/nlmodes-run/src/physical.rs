@@ -45,7 +45,7 @@ pub fn recover<'a>(
 /// Counts the displacement of the first contact of a point from the drawing, and its energy from that at rest.
 pub fn count_from_drawing(state: &StaticState, point: &mut ModalPoint) {
     point.peak += state.toward(0);
-    point.total_energy -= state.energy();
+    point.total_energy -= state.energy;
 }
 
 /// The displacements of these degrees of freedom under the static loads, m.
@@ -106,7 +106,8 @@ fn recover_point(open: &OpenStructure, dofs: &[usize], point: &mut ModalPoint) {
 
 /// The reduced coordinates of the displacement under static loads, as one column.
 pub fn coordinates_of_state(open: &OpenStructure, state: &StaticState) -> Mat<f64> {
-    let [eta, gaps] = [&state.modal, &state.opening].map(|of| Mat::from_fn(of.len(), 1, |i, _| of[i]));
+    let opening = &state.opening[..open.modes.n_contacts()];
+    let [eta, gaps] = [&state.modal[..], opening].map(|of| Mat::from_fn(of.len(), 1, |i, _| of[i]));
     open.reduced.joined(&eta, &gaps)
 }
 

@@ -78,7 +78,7 @@ pub use error::ResponseError;
 pub use exact::{exact_structure, push_laws};
 pub use finer::{FinerPoint, FinerSettings};
 pub use history::{ContactPattern, ContactState};
-pub use model::{ResponseModel, Weights};
+pub use model::{HeldByLaws, ResponseModel, Weights};
 pub use over_parameter::{AtValue, Family, OverParameter, ParameterCurve, ParameterPoint};
 pub use recovery::ForcePower;
 pub use sensitivity::{Gradients, ParameterState, mode_gradients};

@@ -174,19 +174,16 @@ fn what_a_stop_with_a_law_of_force_excludes_is_refused_by_name() -> Outcome {
         "[[force]]\nat_m = 0.35\ndirection = \"transverse\"\namplitude_n = 20.0\n",
         "[base_motion]\ndirection = \"transverse\"\nacceleration_m_s2 = 1.0\nstop = \"fixed\"\n",
     );
-    let gravity = "[gravity]\nacceleration_m_s2 = 9.81\ndirection = \"transverse\"\nside = \"positive\"\n";
     let beside = |text: &str| scene.replace(HERTZ, &format!("{HERTZ}\n{text}"));
     let with = |text: &str| scene.clone() + text;
     for (text, said) in [
         (beside("stiffness_n_m = 1e5"), "`contact.0.stiffness_n_m` beside `stiffness_hertz_n_m15`"),
         (beside("damping_n_s_m = 1.0"), "`contact.0.damping_n_s_m` beside `stiffness_hertz_n_m15`"),
         (beside("friction_estimate = 0.3"), "`contact.0.friction_estimate` beside `stiffness_hertz_n_m15`"),
-        (beside("").replace("gap_mm = 1.0", "gap_mm = -1.0"), "presses a stop with a law of force"),
         (scene.replace(HERTZ, "exponent = 1.5"), "`contact.0.exponent` belongs to a stop with a law of force"),
         (with(second), "`contact.0` has a law of force, and `contact.1` none"),
         (scene.replace("harmonics = 15", "harmonics = 15\nmass_redistribution = \"drop\""), "keep their mass"),
         (beam(HERTZ) + &base, "is fixed while the base moves"),
-        (with(gravity), "`gravity` beside springs or stops with a law of force"),
         (with("[[sensitivity]]\nkey = \"contact.0.gap_m\"\n"), "gradients are not computed beside"),
     ] {
         fs::write(folder.path().join("scene.toml"), text)?;

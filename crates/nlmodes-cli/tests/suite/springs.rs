@@ -324,3 +324,138 @@ fn hertz_stops_of_nodes_and_rows_are_those_of_a_rod() -> Outcome {
     }
     Ok(())
 }
+
+/// One mass of 1 kg on 1 N/m, what else acts on it, and a constant force of 1.5 N.
+fn one_mass(acts: &str) -> String {
+    format!(
+        "[structure]\nkind = \"rod\"\nlength_m = 1.0\nelements = 1\nmass_matrix = \"lumped\"\nstart = \"clamped\"\n\
+         material = {{ youngs_modulus_pa = 1.0, density_kg_m3 = 1.0 }}\nsection = {{ area_m2 = 1.0 }}\n\
+         [[structure.mass_point]]\nat_m = 1.0\nmass_kg = 0.5\n{acts}\n[[static_force]]\nat_m = 1.0\n\
+         direction = \"axial\"\nforce_n = 1.5\n[method]\nharmonics = 60\n[continuation]\nstart_energy_j = 1e-2\n\
+         max_energy_ratio = 3e2\n[output]\nfigures = false\npage = false\n"
+    )
+}
+
+/// The place at rest, by halving, and the frequency (Hz) at an energy (J) above it, by a quadrature between the turning
+/// points, of one kilogram in the potential `v` with the force `−v'`.
+fn by_quadrature(v: impl Fn(f64) -> f64, slope: impl Fn(f64) -> f64, energy: f64) -> (f64, f64) {
+    let halved = |mut low: f64, mut high: f64, is_below: &dyn Fn(f64) -> bool| {
+        for _ in 0..200 {
+            let middle = 0.5 * (low + high);
+            if is_below(middle) { low = middle } else { high = middle }
+        }
+        0.5 * (low + high)
+    };
+    let rest = halved(0.0, 2.0, &|x| slope(x) < 0.0);
+    let total = v(rest) + energy;
+    let low = halved(rest - 10.0, rest, &|x| v(x) > total);
+    let high = halved(rest, rest + 10.0, &|x| v(x) < total);
+    let (middle, half, count) = (0.5 * (low + high), 0.5 * (high - low), 1000);
+    let part = |j: usize| {
+        let theta = std::f64::consts::PI * (j as f64 + 0.5) / f64::from(count);
+        half * theta.sin() / (2.0 * (total - v(middle - half * theta.cos()))).sqrt()
+    };
+    let half_period = (0..count as usize).map(part).sum::<f64>() * std::f64::consts::PI / f64::from(count);
+    (rest, 0.5 / half_period)
+}
+
+/// About the place where a constant force leaves a mass on a cubic spring, and on a Hertz stop that it presses and
+/// leaves in part of each period, the mode has the frequencies of a quadrature.
+#[test]
+fn under_a_constant_force_modes_with_laws_are_those_about_the_place_at_rest() -> Outcome {
+    let folder = tempdir()?;
+    let spring = "[[spring]]\nat_m = 1.0\ndirection = \"axial\"\nlaw = { polynomial = [0.0, 0.0, 0.7] }";
+    let stop = "[[contact]]\nat_m = 1.0\ndirection = \"axial\"\nside = \"positive\"\ngap_m = 0.1\n\
+        stiffness_hertz_n_m15 = 20.0";
+    let cubic = |x: f64| 0.5 * x * x + 0.175 * x.powi(4) - 1.5 * x;
+    let hertz = |x: f64| 0.5 * x * x + 8.0 * (x - 0.1).max(0.0).powf(2.5) - 1.5 * x;
+    let pull = |x: f64| x + 0.7 * x.powi(3) - 1.5;
+    let press = |x: f64| x + 20.0 * (x - 0.1).max(0.0).powf(1.5) - 1.5;
+    type Law<'a> = &'a dyn Fn(f64) -> f64;
+    let cases: [(&str, Law<'_>, Law<'_>, f64); 2] = [(spring, &cubic, &pull, 1e-10), (stop, &hertz, &press, 1e-7)];
+    for (acts, v, slope, near) in cases {
+        let rows = run(folder.path(), &one_mass(acts))?;
+        assert!(rows.len() > 10);
+        for row in rows.iter().step_by(5) {
+            let (_, hz) = by_quadrature(v, slope, row["total_energy_j"]);
+            assert!((row["frequency_hz"] / hz - 1.0).abs() < near, "{acts}: {row:?} {hz}");
+        }
+    }
+    let summary: serde_json::Value = serde_json::from_slice(&fs::read(folder.path().join("out/summary.json"))?)?;
+    let (rest, _) = by_quadrature(hertz, press, 1.0);
+    let found = summary["rest"][0]["force_n"].as_f64().ok_or("no force at rest")?;
+    assert!((found / (1.5 - rest) - 1.0).abs() < 1e-10, "{found} {rest}");
+    let last = run(folder.path(), &one_mass(stop))?.len() - 1;
+    let mut call = Command::cargo_bin("nlmodes-cli")?;
+    let output = call.args(["verify", "out", "--point", &last.to_string()]).current_dir(folder.path()).output()?;
+    let text = String::from_utf8(output.stdout)?;
+    let missing = text.lines().find(|line| line.starts_with("what is missing")).ok_or(text.clone())?;
+    let missing: f64 = missing.split_whitespace().nth(5).ok_or("no number")?.parse()?;
+    assert!(missing < 1e-4, "{text}");
+    Ok(())
+}
+
+/// A force at the tip of a bar, a cubic spring at its middle, a rigid stop before the tip: by the place at rest, from
+/// the equilibrium of two springs in series, they are a bar with a smaller gap and a spring of degree three.
+#[test]
+fn gaps_and_laws_under_a_static_load_are_those_at_rest() -> Outcome {
+    let folder = tempdir()?;
+    let (force, kappa, gap) = (0.4_f64, 3.0, 1.0);
+    let mut v = 0.5 * force;
+    for _ in 0..50 {
+        v -= (v - 0.5 * (force - kappa * v.powi(3))) / (1.0 + 1.5 * kappa * v * v);
+    }
+    let scene = |gap: f64, law: [f64; 3], load: &str| {
+        format!(
+            "[structure]\nkind = \"rod\"\nlength_m = 1.0\nelements = 20\nstart = \"clamped\"\n\
+             material = {{ youngs_modulus_pa = 1.0, density_kg_m3 = 1.0 }}\nsection = {{ area_m2 = 1.0 }}\n\
+             [[contact]]\nat_m = 1.0\ndirection = \"axial\"\nside = \"positive\"\ngap_m = {gap:?}\n[[spring]]\n\
+             at_m = 0.5\ndirection = \"axial\"\nlaw = {{ polynomial = {law:?} }}\n{load}\n[damping]\nratio = 0.02\n\
+             [[force]]\nat_m = 0.75\n[[response]]\nkind = \"frequency\"\nfrequency_hz = [0.25, 0.4]\n\
+             levels_n = [0.05]\n[method]\nharmonics = 9\n[output]\nfigures = false\npage = false\n"
+        )
+    };
+    let load = format!("[[static_force]]\nat_m = 1.0\ndirection = \"axial\"\nforce_n = {force}");
+    let loaded = run(folder.path(), &scene(gap, [0.0, 0.0, kappa], &load))?;
+    let about = [3.0 * kappa * v * v, 3.0 * kappa * v, kappa];
+    let moved = v + 0.5 * force;
+    let shifted = run(folder.path(), &scene(gap - moved, about, ""))?;
+    assert!(loaded.len() == shifted.len() && loaded.iter().any(|row| row["peak_contact_force_n"] > 0.1));
+    for (a, b) in loaded.iter().zip(&shifted) {
+        assert!((a["frequency_hz"] / b["frequency_hz"] - 1.0).abs() < 1e-9, "{a:?} {b:?}");
+        assert!((a["fundamental_m"] / b["fundamental_m"] - 1.0).abs() < 1e-7, "{a:?} {b:?}");
+        assert!((a["peak_m"] - moved - b["peak_m"]).abs() < 1e-7, "{a:?} {b:?}");
+    }
+    Ok(())
+}
+
+/// Relative files of a scene count from the folder in which it was run, wherever its results are asked about.
+#[test]
+fn results_are_verified_and_settled_from_any_folder() -> Outcome {
+    let (folder, elsewhere) = (tempdir()?, tempdir()?);
+    let table: String =
+        (-400..=400).map(|i| 0.01 * f64::from(i)).map(|v| format!("{v},{}\n", 0.7 * v.powi(3))).collect();
+    fs::write(folder.path().join("cubic.csv"), table)?;
+    let spring = "[[spring]]\nat_m = 1.0\ndirection = \"axial\"\nlaw = { table = \"cubic.csv\" }";
+    let load = "[damping]\nratio = 0.05\n[[force]]\nat_m = 1.0\n[[response]]\nkind = \"frequency\"\n\
+        frequency_hz = [0.1, 0.14]\nlevels_n = [0.2]";
+    let scene = one_mass(&format!("{spring}\n{load}")).replace("start_energy_j = 1e-2\nmax_energy_ratio = 3e2\n", "");
+    let rows = run(folder.path(), &scene.replace("harmonics = 60", "harmonics = 9"))?;
+    let point = (rows.len() / 2).to_string();
+    let results = folder.path().join("out");
+    let said = |command: &str, from: &Path, results: &Path| -> Result<String, Box<dyn Error>> {
+        let mut call = Command::cargo_bin("nlmodes-cli")?;
+        let output = call.arg(command).arg(results).args(["--point", &point]).current_dir(from).output()?;
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        Ok(String::from_utf8(output.stdout)?)
+    };
+    for command in ["verify", "settle"] {
+        let here = said(command, folder.path(), Path::new("out"))?;
+        assert_eq!(said(command, elsewhere.path(), &results)?, here);
+    }
+    // Both may move together.
+    let moved = elsewhere.path().join("moved");
+    fs::rename(folder.path(), &moved)?;
+    said("verify", elsewhere.path(), Path::new("moved/out"))?;
+    Ok(())
+}

@@ -2,6 +2,7 @@
 
 mod hertz;
 mod operator;
+mod rest;
 mod shapes;
 mod start;
 mod table;
@@ -12,6 +13,7 @@ use std::sync::Arc;
 
 pub use hertz::HertzStop;
 pub(crate) use operator::{LawOperator, StopMotion};
+pub use rest::{LawAtRest, about_rest_of_law, laws_at_rest};
 pub use shapes::{Bilinear, Exponential, Polynomial, PowerDamper, PowerSpring};
 pub use start::{ModeStart, law_length, modal_start};
 pub use table::TableLaw;
@@ -57,6 +59,13 @@ pub trait ForceLaw: Send + Sync + Debug {
 
     /// Clearance at rest of a law that is a stop, m: it pushes, and not before `v` is greater. `None` of any other law.
     fn stop_gap(&self) -> Option<f64> {
+        None
+    }
+
+    /// A law that is a stop, as seen from a place that is so much nearer to it, m: with what is left of its clearance,
+    /// negative where it presses there. `None` of any other law.
+    fn stop_moved(&self, by: f64) -> Option<Arc<dyn ForceLaw>> {
+        let _ = by;
         None
     }
 }

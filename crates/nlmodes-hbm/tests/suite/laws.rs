@@ -1,4 +1,4 @@
-//! Laws of force beside stops: Duffing's oscillator in closed form, Jacobians against differences, power in balance,
+//! Laws of force beside stops: Jacobians against differences, power in balance,
 //! and a linear law against what the linear structure does with it.
 
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -17,56 +17,11 @@ use support::modal::{Open, newton, settings, solver, worst_column};
 use support::{on_springs, rod};
 
 /// One mass without a stop on a spring with this law beside it.
-fn oscillator(law: Arc<dyn ForceLaw>, ratio: f64) -> ModalStructure {
+pub fn oscillator(law: Arc<dyn ForceLaw>, ratio: f64) -> ModalStructure {
     let damping = ModalDamping::ratios(&[1.0], &[ratio]);
     let structure = ModalStructure::new(vec![1.0], Mat::zeros(0, 1), &Mat::zeros(0, 0), vec![], &[], damping).unwrap();
     let placed = PlacedLaw { law, modes: vec![1.0], contacts: vec![], laws: vec![0.0] };
     structure.with_laws(vec![placed], 1024).unwrap()
-}
-
-/// `K(m)` by the arithmetic-geometric mean.
-fn complete_elliptic(m: f64) -> f64 {
-    let (mut a, mut g) = (1.0, (1.0 - m).sqrt());
-    for _ in 0..30 {
-        (a, g) = (0.5 * (a + g), (a * g).sqrt());
-    }
-    FRAC_PI_2 / a
-}
-
-/// `ẍ + x + κ x³ = 0`: `x = A cn(…)`, `ω = π √(1 + κA²)/(2 K(m))`, `m = κA²/(2(1 + κA²))`. The averaged kinetic energy
-/// follows from the action by a quadrature of its own.
-#[test]
-fn the_backbone_of_duffings_oscillator_is_that_of_elliptic_functions() {
-    let kappa = 0.8;
-    for amplitude in [0.3_f64, 1.0, 3.0] {
-        let stiff = 1.0 + kappa * amplitude * amplitude;
-        let omega = PI * stiff.sqrt() / (2.0 * complete_elliptic(kappa * amplitude * amplitude / (2.0 * stiff)));
-        // E_av = ω/(4π) ∮ ẋ dx with x = A sin s: ẋ = A cos s √(1 + κA²(1 + sin² s)/2).
-        let count = 400;
-        let work = |j: usize| {
-            let s = 2.0 * PI * (j as f64 + 0.5) / count as f64;
-            let slope = (1.0 + 0.5 * kappa * amplitude * amplitude * (1.0 + s.sin().powi(2))).sqrt();
-            (amplitude * s.cos()).powi(2) * slope
-        };
-        let action = (0..count).map(work).sum::<f64>() * 2.0 * PI / count as f64;
-        let energy = omega / (4.0 * PI) * action;
-        let structure = oscillator(Arc::new(Polynomial { coefficients: vec![0.0, 0.0, kappa] }), 0.0);
-        let settings =
-            PeriodicSettings { harmonics: 31, switching: Switching::Exact, coordinates: Coordinates::Automatic };
-        let scales = Scales::new(amplitude, omega, energy);
-        let mut system =
-            PeriodicSystem::conservative_mode(&structure, Symmetry::Even, settings, scales, solver().as_ref()).unwrap();
-        let mut x = vec![0.0; system.n_coefficients()];
-        x[1] = 1.0;
-        x.push(1.0);
-        let (x, _) = newton(&mut system, x, 0.0);
-        let motion = system.motion(&x, 0.0).unwrap();
-        assert!((motion.at.omega / omega - 1.0).abs() < 1e-11, "{amplitude}: {} {omega}", motion.at.omega);
-        let largest: f64 = motion.eta.iter().map(|eta| eta[0].re).sum();
-        assert!((largest / amplitude - 1.0).abs() < 1e-10, "{largest} {amplitude}");
-        let total = 0.5 * amplitude * amplitude + 0.25 * kappa * amplitude.powi(4);
-        assert!((motion.total_energy / total - 1.0).abs() < 1e-10, "{} {total}", motion.total_energy);
-    }
 }
 
 /// A rod in few modes before two stops with a law of each kind at other nodes.
@@ -360,15 +315,23 @@ fn a_forced_motion_with_stops_and_laws_is_that_of_an_integration_in_time() {
     let load = load(&open, &structure, 4, 0.3 * stiff);
     let term = load.terms()[0].clone();
     let (level, scales) = (0.8, Scales::new(1.0, stiff.sqrt(), stiff));
-    let off = |harmonics: usize| -> f64 {
+    let mut before: Option<(usize, Vec<f64>)> = None;
+    let mut off = |harmonics: usize| -> f64 {
         let settings = settings(harmonics, Coordinates::Automatic);
         let mut system =
             PeriodicSystem::force_response(&structure, load.clone(), omega, 1.0, settings, scales, solver().as_ref())
                 .unwrap();
+        // From rest with few harmonics, then each time from fewer.
+        let width = system.series().width();
         let mut x = vec![0.0; system.n_coefficients()];
-        for j in 1..=40 {
-            (x, _) = newton(&mut system, x, level / 40.0 * f64::from(j));
+        match &before {
+            None => (1..=40).for_each(|j| x = newton(&mut system, x.clone(), level / 40.0 * f64::from(j)).0),
+            Some((fewer, known)) => {
+                x.chunks_mut(width).zip(known.chunks(*fewer)).for_each(|(x, known)| x[..*fewer].copy_from_slice(known));
+                x = newton(&mut system, x, level).0;
+            }
         }
+        before = Some((width, x.clone()));
         let motion = system.motion(&x, level).unwrap();
         assert!(motion.contacts.iter().any(|contact| contact.closed_share > 0.01));
         let m = open.n_modes();
@@ -397,8 +360,9 @@ fn a_forced_motion_with_stops_and_laws_is_that_of_an_integration_in_time() {
         let (change, of): (Vec<f64>, Vec<f64>) = ((0..m).map(|k| z[k] - begin[k]).collect(), begin[..m].to_vec());
         size(&change) / size(&of)
     };
-    let (few, many) = (off(8), off(40));
-    assert!(many < 2e-5 && many < 0.2 * few, "{few:e} {many:e}");
+    // Steps four times as short change the last figure by 1e-9: what is left is that of harmonics.
+    let missing = [8, 20, 40, 80].map(&mut off);
+    assert!(missing[3] < 1e-6 && missing.is_sorted_by(|a, b| *a > 1.5 * b), "{missing:?}");
 }
 
 /// `(η̇, η̈)` at a state, with the forces of two contacts and of all laws.

@@ -2,6 +2,7 @@
 
 mod contact_periods;
 mod describing_function;
+mod duffing;
 mod elastic_stops;
 mod face_in_time;
 mod floating;

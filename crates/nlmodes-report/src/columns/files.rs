@@ -176,7 +176,11 @@ pub const FILES: [FileMeaning; 29] = [
             and principal_stress in Pa",
         columns: &[],
     },
-    FileMeaning { name: "run.json", meaning: "The scene to which the results belong", columns: &[] },
+    FileMeaning {
+        name: "run.json",
+        meaning: "The scene to which the results belong, and the folder from which its relative files count",
+        columns: &[],
+    },
     FileMeaning { name: "steps.jsonl", meaning: "The steps, from which `run --resume` continues", columns: &[] },
     FileMeaning {
         name: "branch_…/",

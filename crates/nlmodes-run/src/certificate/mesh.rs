@@ -41,7 +41,10 @@ pub fn frequency(scene: &Scene, open: Option<&OpenStructure>) -> Check {
         return missing("more than 1000 elements", "structure.elements twice as large");
     }
     let mode = scene.method.mode;
-    let rest = open.and_then(|open| Some((open.modes.n_modes(), open.state.as_ref()?.rest.closed.as_slice())));
+    let rest = open.and_then(|open| {
+        let closed = open.state.as_ref()?.rest.closed.get(..open.modes.n_contacts())?;
+        Some((open.modes.n_modes(), closed))
+    });
     let pressed = rest.filter(|(_, closed)| closed.contains(&true));
     let frequencies = match pressed {
         Some(pressed) => {

@@ -313,6 +313,32 @@ mod tests {
     }
 
     #[test]
+    fn a_law_of_force_is_dragged_under_a_static_load_and_its_effects_are_told() {
+        let scene = SCENE.replace(
+            "[[contact]]\nat_m = 1.0\ndirection = \"axial\"\nside = \"positive\"\ngap_m = 1e-3 # the clearance\n",
+            "[[spring]]\nat_m = 1.0\ndirection = \"axial\"\nlaw = { polynomial = [0.0, 0.0, 1e13] }\n[[static_force]]\n\
+            at_m = 1.0\ndirection = \"axial\"\nforce_n = 1e4\n[damping]\nratio = 0.02\n[[force]]\nat_m = 1.0\n\
+            [[response]]\nkind = \"frequency\"\nfrequency_hz = [1000.0, 2200.0]\nlevels_n = [300.0]\n",
+        );
+        let scene = scene.replace("[continuation]\nmax_energy_ratio = 3.0\n", "");
+        let files = nlmodes_scene::parse_each_method("rod.toml", &scene, &[]).unwrap();
+        let explorer = Explorer::new(Path::new("rod.toml"), scene, Vec::new(), &files[0], 4711).unwrap();
+        let key = "spring.0.law.polynomial.2";
+        let of = |name: &str, cubic: f64| -> Value {
+            let answer = explorer.answer(&asked(&explorer, name, Some(&format!("{{\"{key}\": {cubic:e}}}"))));
+            assert_eq!(answer.status, 200, "{}", answer.text);
+            serde_json::from_str(&answer.text).unwrap()
+        };
+        let picture = of("compute", 1e13);
+        assert!(picture["branches"][0]["frequency"].as_array().is_some_and(|points| points.len() > 10));
+        let (own, more) = (of("effects", 1e13), of("effects", 1.001e13));
+        let peak = |of: &Value| of[0]["quantities"][0]["value"].as_f64().unwrap();
+        let change = 1e3 * (peak(&more) / peak(&own) - 1.0);
+        let effect = own[0]["quantities"][0]["effects"][key].as_f64().unwrap();
+        assert!((effect - change).abs() < 2e-3 * change.abs().max(0.1), "{effect} {change}");
+    }
+
+    #[test]
     fn saving_keeps_the_text_and_writes_beside_the_scene() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("rod.toml");

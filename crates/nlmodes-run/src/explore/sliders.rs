@@ -42,6 +42,18 @@ impl Slider {
     }
 }
 
+/// Numbers of the laws of springs and dampers.
+const LAWS: [(&str, &str, &str); 8] = [
+    ("polynomial.0", "linear stiffness", "N/m"),
+    ("polynomial.1", "quadratic stiffness", "N/m²"),
+    ("polynomial.2", "cubic stiffness", "N/m³"),
+    ("power.stiffness", "stiffness", "N/mⁿ"),
+    ("bilinear.stiffness_n_m", "inner stiffness", "N/m"),
+    ("bilinear.beyond_n_m", "outer stiffness", "N/m"),
+    ("exponential.force_n", "force", "N"),
+    ("damper.coefficient", "damper", "N (s/m)ⁿ"),
+];
+
 /// The sliders of a scene: values in its file.
 pub fn sliders(file: &SceneFile) -> Vec<Slider> {
     let mut found = Vec::new();
@@ -59,7 +71,15 @@ pub fn sliders(file: &SceneFile) -> Vec<Slider> {
             Kind::Logarithmic,
             [1e-2, 1e2],
         ));
+        let hertz = stop("stiffness_hertz_n_m15");
+        found.extend(positive(file, &hertz, label("contact stiffness"), "N/mⁿ", Kind::Logarithmic, [1e-2, 1e2]));
         found.extend(place(file, &stop("at_m"), label("place")));
+    }
+    for number in 0..file.scene.springs.len() {
+        for (name, label, unit) in LAWS {
+            let (key, label) = (format!("spring.{number}.law.{name}"), format!("{label}, spring {number}"));
+            found.extend(positive(file, &key, label, unit, Kind::Logarithmic, [1e-2, 1e2]));
+        }
     }
     let plain = [
         ("method.contact_stiffness_n_m", "contact stiffness", "N/m", Kind::Logarithmic, [1e-2, 1e2]),

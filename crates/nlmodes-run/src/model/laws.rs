@@ -9,7 +9,7 @@ use nlmodes::hbm::{
 use nlmodes::response::{ResponseModel, Weights};
 use nlmodes_io::NodeContact;
 use nlmodes_scene::SceneFile;
-use nlmodes_scene::assemble::{Structures, law_contacts};
+use nlmodes_scene::assemble::{StaticState, Structures, law_contacts};
 use nlmodes_scene::scene::{Contact, Hertz, LawContact, Place, RowContact, SceneStructure, Side, SpringLaw};
 
 use crate::{RunError, chain, refusal, two_columns};
@@ -27,9 +27,12 @@ pub struct Laws {
     pub springs: Vec<Weights>,
     /// The displacements toward its stops with a law of force, and their gaps, m.
     pub stops: Vec<(Weights, f64)>,
+    /// Where the structure rests on them under static loads, where anything moves it.
+    pub rest: Option<StaticState>,
 }
 
-/// Adds the springs and stops of a scene with a law of force. `at` gives the weights of a place.
+/// Adds the springs and stops of a scene with a law of force, where static loads without them have the `state`. `at`
+/// gives the weights of a place.
 ///
 /// # Errors
 /// [`RunError`] at the key that it is about.
@@ -37,7 +40,7 @@ pub fn add(
     file: &SceneFile,
     response: &mut ResponseModel,
     at: &dyn Fn(&str, &Place) -> Result<Weights, RunError>,
-    structures: &Structures,
+    (structures, state): (&Structures, Option<&StaticState>),
 ) -> Result<Laws, RunError> {
     let scene = &file.scene;
     let mut springs = Vec::new();
@@ -52,17 +55,45 @@ pub fn add(
             .map_err(|error| file.error_at(&format!("spring.{i}"), &chain(&error), "here", &[]))?;
         springs.push(weights);
     }
-    if scene.has_laws() && response.structure().is_pressed() {
-        let title = "a stop that presses at rest beside springs or stops with a law of force";
-        let help =
-            ["where both come to rest is not computed: give the law about that place, and gaps that are open there"];
-        return Err(file.error_at("contact", title, "expected gaps that are not negative", &help).into());
-    }
     let stops = stops(file, response, at, structures)?;
+    let rest = rest(file, response, (springs.len(), &stops), state)?;
     let of = &scene.continuation;
     let amplitude = of.start_amplitude_m.map(ModeStart::Amplitude);
     response.set_mode_start(amplitude.or(of.start_energy_j.map(ModeStart::Energy)).unwrap_or_default());
-    Ok(Laws { springs, stops })
+    Ok(Laws { springs, stops, rest })
+}
+
+/// Where a structure rests on its laws and static loads; `None` where nothing moves it. `springs` laws are no stops.
+fn rest(
+    file: &SceneFile,
+    response: &mut ResponseModel,
+    (springs, stops): (usize, &[(Weights, f64)]),
+    state: Option<&StaticState>,
+) -> Result<Option<StaticState>, RunError> {
+    if response.structure().laws().is_empty() {
+        return Ok(None);
+    }
+    let scene = &file.scene;
+    let rest = if state.is_some() || stops.iter().any(|(_, gap)| *gap < 0.0) {
+        let state = state.cloned().unwrap_or_else(|| StaticState::still(response.open_modes()));
+        let moved = |weights: &Weights| weights.iter().map(|&(dof, w)| w * state.displacement[dof]).sum::<f64>();
+        let laws = 0..response.structure().laws().len();
+        let moved: Vec<f64> = laws.map(|l| response.law_weights(l).map_or(0.0, moved)).collect();
+        let key = if scene.static_loads.is_empty() { "contact" } else { scene.static_loads.first_key() };
+        let held =
+            response.rest_on_laws(&moved, SAMPLES).map_err(|error| file.error_at(key, &chain(&error), "here", &[]))?;
+        let stops: Vec<_> = stops.iter().map(|(_, gap)| *gap).zip(held.laws[springs..].iter().copied()).collect();
+        Some(state.held(&held, &stops))
+    } else {
+        None
+    };
+    if response.structure().is_pressed() {
+        let title = "a rigid or linear stop that presses at rest beside springs or stops with a law of force";
+        let help = ["where both come to rest is not computed: a stop that presses may have a law of force too, \
+            `stiffness_hertz_n_m15` with `exponent = 1`"];
+        return Err(file.error_at("contact", title, "expected gaps that are open at rest", &help).into());
+    }
+    Ok(rest)
 }
 
 /// Adds the stops with a law of force, and says where they are.

@@ -7,8 +7,8 @@ use nlmodes::model::{Dof, MassShift, MasslessContactModel, StructuralModel};
 use nlmodes::response::{BaseMotion, BaseUnit, Weights};
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::{
-    Assembly, Body, Elements, OpenStructure, StaticState, Structures, element_model, node_weights, redistribution,
-    row_weights,
+    Assembly, Body, Elements, OpenStructure, StaticState, StructureError, Structures, element_model, node_weights,
+    redistribution, row_weights,
 };
 use nlmodes_scene::scene::{BaseDirection, BaseMotion as SceneBase, Place, Scene, StopOfBase, Structure};
 
@@ -155,6 +155,17 @@ impl Reduced {
         let (open, state) = (reduction.modes.clone(), reduction.state.clone());
         let (reduction, warning) = (Some(reduction), None);
         Self { open, recorded, coordinates, shift: None, warning, reduction, state, source }
+    }
+
+    /// The same where it rests in this state.
+    ///
+    /// # Errors
+    /// [`StructureError`] for a state of another structure.
+    pub fn resting(self, state: StaticState) -> Result<Self, StructureError> {
+        let gaps = state.free_gaps[..self.open.n_contacts()].to_vec();
+        let open = self.open.with_stops(gaps, self.open.stop_compliance().to_vec())?;
+        let reduction = self.reduction.map(|reduction| reduction.resting(state.clone())).transpose()?;
+        Ok(Self { open, reduction, state: Some(state), ..self })
     }
 
     /// The displacement at a position, as degrees of freedom with weights; none if the structure is fixed there.

@@ -139,7 +139,7 @@ impl Driven {
         };
         let mut structure = structure(file, model)?;
         let (m, c) = (structure.n_modes(), structure.n_contacts());
-        let first = model.contacts.first().or(model.force_places.first()).cloned().unwrap_or_default();
+        let first = model.first_place();
         let rows = model.response().rows(std::slice::from_ref(&first)).map_err(|error| failed(&error))?;
         let Some(row) = rows.first() else { return Err(RunError::NoScene) };
         let mut signals = Vec::new();

@@ -69,10 +69,9 @@ impl Viewed<'_> {
         let (pattern, omega) = self.pattern(point)?;
         let stretches = pattern.stretches();
         // Stops where static loads have them; they are counted from the drawing at the end.
-        let own = self.model.open_modes().gaps();
-        let of_laws = self.model.gaps.iter().skip(own.len());
-        let gaps = own.iter().chain(of_laws);
-        let empty = |(side, gap): (&f64, &f64)| TimeHistory::empty(label, side * gap);
+        let toward = |contact| self.model.state.as_ref().map_or(0.0, |state| state.toward(contact));
+        let gaps = self.model.gaps.iter().enumerate().map(|(contact, gap)| gap - toward(contact));
+        let empty = |(side, gap): (&f64, f64)| TimeHistory::empty(label, side * gap);
         let mut all: Vec<TimeHistory> = sides.iter().zip(gaps).map(empty).collect();
         let mut last = f64::NEG_INFINITY;
         for (tau, stretch) in phases(&stretches) {

@@ -47,6 +47,10 @@ const FAR: f64 = 0.1;
 /// these is sought.
 const NEARER: f64 = 3.0;
 
+/// Distance to an unstable motion over that after so many periods up to which a motion of these is not sought: it would
+/// be the unstable one.
+const LEAVES: f64 = 30.0;
+
 /// By how many powers of e the slowest mode decays while a motion is followed, and the fewest and most periods of the
 /// load for that.
 const FOLDS: f64 = 25.0;
@@ -154,8 +158,7 @@ impl Search {
             let (found, most) = (structure.n_modes(), MAX_SHOOTING_MODES);
             return Err(TimestepError::TooManyModes { found, most }.into());
         }
-        let first = model.contacts.first().or(model.springs.first()).or(model.force_places.first());
-        let first = first.cloned().unwrap_or_default();
+        let first = model.first_place();
         observe(model, &mut structure, &first, (omega, is_free)).map_err(|error| failed(error.as_ref()))?;
         let state = |share: f64| state_of(motion, model, share).map_err(|reason| SettleError::Structure { reason });
         let near = state(0.0)?;
@@ -213,12 +216,15 @@ impl Search {
             }
             None => self.near.clone(),
         };
+        let start = self.start.iter().filter(|start| !is_stable(start));
         let mut followed = Followed {
             flashes: Vec::new(),
             values: Vec::new(),
             largest: Vec::new(),
             most: NONE,
             tried: HashMap::new(),
+            ahead: None,
+            unstable: start.map(|start| (start.state.clone(), self.at.subharmonic)).collect(),
         };
         let (mut count, mut found) = (0_usize, None);
         let most = settings.periods.unwrap_or_else(|| self.periods(settings.disturbance));
@@ -248,6 +254,13 @@ impl Search {
     fn periodic(&self, followed: &mut Followed) -> Option<(ForcedMotion, usize)> {
         let states = &followed.flashes;
         let last = states.last()?;
+        let is_there = |(motion, periods): &(ForcedMotion, usize)| {
+            let latest = states.iter().rev().take(*periods);
+            latest.into_iter().any(|state| self.structure.distance(&motion.state, state) < THERE)
+        };
+        if let Some((motion, periods)) = followed.ahead.as_ref().filter(|ahead| is_there(ahead)) {
+            return Some(self.shortest(motion, *periods));
+        }
         let before = |k: usize| states.len().checked_sub(k + 1).map(|i| &states[i]);
         let counts = (1..=MOST_PERIODS).map(|k| k * self.at.subharmonic);
         let distances = counts.filter_map(|k| Some((k, self.structure.distance(last, before(k)?))));
@@ -258,18 +271,26 @@ impl Search {
         for (periods, distance) in distances.into_iter().filter(|(_, distance)| near(*distance)) {
             // Newton's method is worth its time as the motion comes nearer.
             let tried = followed.tried.get(&periods).copied().unwrap_or(f64::INFINITY);
-            if distance > 0.3 * tried {
+            let is_known = |(state, of): &(Vec<f64>, usize)| {
+                periods.is_multiple_of(*of) && self.structure.distance(state, last) < LEAVES * distance
+            };
+            if distance > 0.3 * tried || followed.unstable.iter().any(is_known) {
                 continue;
             }
-            let found = self.structure.periodic(self.at.level, self.at.omega, periods, last);
-            let is_there = |motion: &ForcedMotion| {
-                let is_stable = motion.multipliers.first().is_none_or(|most| most.norm() < 1.0);
-                is_stable && self.structure.distance(&motion.state, last) < THERE
-            };
-            if let Some(motion) = found.as_ref().ok().filter(|motion| is_there(motion)) {
-                return Some(self.shortest(motion, periods));
-            }
             followed.tried.insert(periods, distance);
+            let found = self.structure.periodic(self.at.level, self.at.omega, periods, last);
+            let Ok(motion) = found else { continue };
+            if !is_stable(&motion) {
+                followed.unstable.push((motion.state, periods));
+            } else {
+                let ahead = (motion, periods);
+                if is_there(&ahead) {
+                    return Some(self.shortest(&ahead.0, periods));
+                }
+                // A motion of several periods next to it would be the same.
+                followed.ahead = Some(ahead);
+                return None;
+            }
         }
         None
     }
@@ -360,6 +381,10 @@ impl Search {
     }
 }
 
+fn is_stable(motion: &ForcedMotion) -> bool {
+    motion.multipliers.first().is_none_or(|most| most.norm() < 1.0)
+}
+
 /// What a motion was so far.
 struct Followed {
     /// States at the ends of the latest periods of the load.
@@ -370,8 +395,12 @@ struct Followed {
     largest: Vec<f64>,
     /// That of the present period so far.
     most: f64,
-    /// Distance at which an exact motion of so many periods was sought in vain.
+    /// Distance at which an exact motion of so many periods was sought.
     tried: HashMap<usize, f64>,
+    /// A stable motion next to which it came, with its periods.
+    ahead: Option<(ForcedMotion, usize)>,
+    /// States of unstable motions next to which it was, with their periods.
+    unstable: Vec<(Vec<f64>, usize)>,
 }
 
 /// Before any value.

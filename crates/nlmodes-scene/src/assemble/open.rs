@@ -127,16 +127,26 @@ impl OpenStructure {
     }
 
     /// The same with the gaps that static loads leave.
-    fn under_loads(mut self, scene: &Scene) -> Result<Self, StructureError> {
+    fn under_loads(self, scene: &Scene) -> Result<Self, StructureError> {
         let files = self.files.as_ref().map(|(model, _)| model.as_ref());
-        self.state = static_loads::of_open(scene, &self.modes, (files, &self.dofs))?;
-        if let Some(state) = &self.state {
-            self.modes = self.modes.with_stops(state.free_gaps.clone(), self.modes.stop_compliance().to_vec())?;
-            if state.is_carried() {
-                self.modes = self.modes.with_steady_force(state.steady.clone())?;
-            }
-            self.reduced = self.reduced.with_gaps(self.modes.gaps())?.with_force_of(&self.modes)?;
+        match static_loads::of_open(scene, &self.modes, (files, &self.dofs))? {
+            Some(state) => self.resting(state),
+            None => Ok(self),
         }
+    }
+
+    /// The same with the gaps that this state leaves.
+    ///
+    /// # Errors
+    /// [`StructureError`] for a state of another structure.
+    pub fn resting(mut self, state: StaticState) -> Result<Self, StructureError> {
+        let gaps = state.free_gaps[..self.modes.n_contacts()].to_vec();
+        self.modes = self.modes.with_stops(gaps, self.modes.stop_compliance().to_vec())?;
+        if state.is_carried() {
+            self.modes = self.modes.with_steady_force(state.steady.clone())?;
+        }
+        self.reduced = self.reduced.with_gaps(self.modes.gaps())?.with_force_of(&self.modes)?;
+        self.state = Some(state);
         Ok(self)
     }
 

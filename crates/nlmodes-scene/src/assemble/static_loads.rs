@@ -7,10 +7,11 @@
 use std::path::Path;
 
 use nlmodes::contact::solver_by_name;
+use nlmodes::hbm::LawAtRest;
 use nlmodes::linalg::{DenseLu, Mat, SparseMatrix, multiply, multiply_many, multiply_transposed};
 use nlmodes::model::reduction::{ModeCount, OpenModes, ReductionError, RestState};
 use nlmodes::model::{Contact, Dof, DofKind, SteadyForce, StructuralModel};
-use nlmodes::response::BaseUnit;
+use nlmodes::response::{BaseUnit, HeldByLaws};
 use nlmodes_io::{ContactNodes, FeModel, ReadError, read_nodal_values};
 
 use super::places::{Body, node_weights, row_weights, unsupported};
@@ -26,7 +27,7 @@ pub struct StaticState {
     pub displacement: Vec<f64>,
     /// The same in the free-interface modes with which it was computed, `η = Φᵀ M q`, m·√kg.
     pub modal: Vec<f64>,
-    /// By how much that opens the gaps, c, m.
+    /// By how much that opens the gaps, c, m; of stops with a law of force, which follow the contacts, too.
     pub opening: Vec<f64>,
     /// The gaps that this leaves, with the contacts open, c, m.
     pub free_gaps: Vec<f64>,
@@ -36,16 +37,46 @@ pub struct StaticState {
     pub steady: Vec<f64>,
     /// The same as a force on the degrees of freedom of a structure that is not reduced.
     pub carried: Option<SteadyForce>,
-    /// Work of that force from the place of `displacement` to rest, J.
-    work: f64,
+    /// Energy of the structure and of its elastic stops at rest, above that of the place with open contacts, J:
+    /// `½ λᵀ (F + C) λ = −½ λᵀ g`; with a force on rigid-body motions, whose work `pᵀ η` counts, `−½ λᵀ g − ½ pᵀ η`.
+    /// Laws of force count theirs from rest.
+    pub energy: f64,
 }
 
 impl StaticState {
-    /// Energy of the structure and of its elastic stops at rest, above that of the place with open contacts, J:
-    /// `½ λᵀ (F + C) λ = −½ λᵀ g`; with a force on rigid-body motions, whose work `pᵀ η` counts, `−½ λᵀ g − ½ pᵀ η`.
-    pub fn energy(&self) -> f64 {
-        self.rest.forces.iter().zip(&self.free_gaps).map(|(force, gap)| -0.5 * force * gap).sum::<f64>()
-            - 0.5 * self.work
+    /// Of a structure with these modes that nothing moves.
+    pub fn still(modes: &OpenModes) -> Self {
+        let (c, zeros) = (modes.n_contacts(), |n: usize| vec![0.0; n]);
+        let free_gaps = modes.gaps().to_vec();
+        let mut rest = RestState::default();
+        (rest.eta, rest.forces) = (zeros(modes.n_modes()), zeros(c));
+        (rest.gaps, rest.closed) = (free_gaps.clone(), vec![false; c]);
+        let (displacement, modal) = (zeros(modes.n_dofs()), zeros(modes.n_modes()));
+        Self { displacement, modal, opening: zeros(c), free_gaps, rest, ..Self::default() }
+    }
+
+    /// The same where laws of force hold the structure as well, all of its contacts open; `stops` are those with a law,
+    /// their clearances in the drawing (m) and where they rest: they follow the contacts.
+    pub fn held(mut self, by: &HeldByLaws, stops: &[(f64, LawAtRest)]) -> Self {
+        let add = |to: &mut [f64], by: &[f64]| to.iter_mut().zip(by).for_each(|(to, by)| *to += by);
+        add(&mut self.displacement, &by.displacement);
+        add(&mut self.modal, &by.modal);
+        add(&mut self.opening, &by.opening);
+        add(&mut self.free_gaps, &by.opening);
+        let rest = &mut self.rest;
+        rest.eta.fill(0.0);
+        rest.forces.fill(0.0);
+        rest.closed.fill(false);
+        rest.gaps.clone_from(&self.free_gaps);
+        self.energy = 0.0;
+        for (gap, at) in stops {
+            self.opening.push(-at.place);
+            self.free_gaps.push(gap - at.place);
+            rest.gaps.push((gap - at.place).max(0.0));
+            rest.forces.push(at.force);
+            rest.closed.push(at.force > 0.0);
+        }
+        self
     }
 
     /// Whether contacts alone carry the structure, which floats without them.
@@ -91,7 +122,7 @@ fn state(
     if moved.is_none() && modes.gaps().iter().all(|gap| *gap >= 0.0) {
         return Ok(None);
     }
-    let key = first_key(&scene.static_loads);
+    let key = scene.static_loads.first_key();
     let refused = |error: ReductionError| falls(error, key, dofs);
     let push = match &moved {
         Some(Moved::Displacement(_)) if modes.floats() => return Err(StructureError::FloatsUnderLoad { key }),
@@ -139,7 +170,8 @@ fn state(
         }
         _ => product(&steady, &rest.eta),
     };
-    Ok(Some(StaticState { displacement, modal, opening, free_gaps, rest, steady, carried, work }))
+    let energy = -0.5 * (product(&rest.forces, &free_gaps) + work);
+    Ok(Some(StaticState { displacement, modal, opening, free_gaps, rest, steady, carried, energy }))
 }
 
 /// Share of the sum of its parts up to which a force on a rigid-body motion is in balance.
@@ -189,16 +221,6 @@ fn falls(error: ReductionError, key: &'static str, dofs: &[Dof]) -> StructureErr
         },
         ReductionError::FloatingRest => StructureError::Tips { key },
         error => error.into(),
-    }
-}
-
-/// The key of the first of these loads.
-fn first_key(loads: &StaticLoads) -> &'static str {
-    match loads {
-        StaticLoads { gravity: Some(_), .. } => "gravity",
-        StaticLoads { thermal: Some(_), .. } => "thermal",
-        StaticLoads { displacement: Some(_), .. } => "static_displacement",
-        _ => "static_force",
     }
 }
 

@@ -192,7 +192,9 @@ fn modes(along: Option<&Body<'_>>, kind: MethodKind, mass_rule: MassRule, contac
     let Body { raw: structure, mesh } = along?;
     let ends = [structure.start, structure.end.unwrap_or(Support::Free)];
     let dofs = free_dofs(structure.kind, mesh.elements(), ends);
-    let mut places: Vec<_> = contacts.iter().map(|contact| (contact.node, contact.direction.name())).collect();
+    // Nodes before stops with a law of force keep their mass.
+    let stops = contacts.iter().filter(|contact| contact.hertz.is_none());
+    let mut places: Vec<_> = stops.map(|contact| (contact.node, contact.direction.name())).collect();
     places.sort_unstable();
     places.dedup();
     let held = dofs.saturating_sub(places.len());

@@ -9,21 +9,6 @@ use crate::{Diagnostic, Diagnostics};
 
 /// The springs that are sound; paths count from `base`.
 pub fn check(raw: &RawAnalysis, base: &Path, places: &Places<'_>, diagnostics: &mut Diagnostics<'_>) -> Vec<LawSpring> {
-    if !raw.has_laws() {
-        return Vec::new();
-    }
-    let loads = [
-        ("gravity", raw.gravity.is_some()),
-        ("static_force", raw.static_force.as_ref().is_some_and(|forces| !forces.is_empty())),
-        ("thermal", raw.thermal.is_some()),
-        ("static_displacement", raw.static_displacement.is_some()),
-    ];
-    for (key, _) in loads.into_iter().filter(|(_, there)| *there) {
-        let diagnostic = Diagnostic::error(format!("`{key}` beside springs or stops with a law of force"));
-        let help = "the displacement under the load would depend on the law, which is not computed: give the law about \
-            the loaded place, and leave the load out";
-        diagnostics.put(key, diagnostic.help(help), "expected [[spring]] or static loads");
-    }
     let springs = raw.spring.iter().flatten().enumerate();
     springs.filter_map(|(i, raw)| spring(i, raw, base, places, diagnostics)).collect()
 }

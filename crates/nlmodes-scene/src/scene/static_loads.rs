@@ -32,6 +32,16 @@ impl StaticLoads {
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }
+
+    /// The key of the first of them.
+    pub fn first_key(&self) -> &'static str {
+        match self {
+            Self { gravity: Some(_), .. } => "gravity",
+            Self { thermal: Some(_), .. } => "thermal",
+            Self { displacement: Some(_), .. } => "static_displacement",
+            _ => "static_force",
+        }
+    }
 }
 
 /// Gravity.

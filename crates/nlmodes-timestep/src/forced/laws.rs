@@ -13,11 +13,11 @@ use nlmodes_linalg::{DenseLu, Mat};
 
 use super::flow::Flow;
 use super::input::{DEGREE, Observed};
-use super::series::{ORDER, Polynomial, Series};
+use super::series::{ORDER, Polynomial, Series, terms_within};
 use super::trajectory::Running;
 use super::{ForcedStructure, input};
 use crate::TimestepError;
-use crate::first_root::{Guard, first_negative};
+use crate::first_root::first_negative;
 
 pub(super) use transition::LawTransitions;
 
@@ -69,10 +69,12 @@ impl LawSeries {
     /// Displacement and rate at the nodes and both ends of a step of length `h`, of what `of` takes.
     fn values(&self, of: impl Fn(&Series) -> Polynomial, flow: &Flow, h: f64) -> Vec<[f64; 2]> {
         let (place, rate) = (of(&self.place), self.rate.as_ref().map(of));
+        // Coefficients of a reaction, which begin at its degree, are divided by that power of the step.
+        let terms = (terms_within(h / flow.step) + DEGREE).min(ORDER);
         let at = |tau: &f64| {
             let tau = tau * h / flow.step;
-            let [value, slope, _] = place.evaluate(tau);
-            [value, rate.map_or(slope / flow.step, |rate| rate.evaluate(tau)[0])]
+            let [value, slope] = place.up_to(terms, tau);
+            [value, rate.map_or(slope / flow.step, |rate| rate.up_to(terms, tau)[0])]
         };
         NODES.iter().chain(&[0.0, 1.0]).map(at).collect()
     }
@@ -244,8 +246,9 @@ impl<'a> LawSteps<'a> {
     pub fn begin(&mut self, running: &Running) {
         let acts = |(l, gap): (usize, f64)| running.flow.laws[l].place.value_and_slope(&running.w)[0] > gap;
         let acting = Arc::new(self.structure.law_stops().map(acts).collect());
-        let moves = self.moves.take();
-        *self = Self { acting, moves, ..Self::new(self.structure) };
+        // The steps of the motion before are the first guess for those of this one.
+        let (moves, step) = (self.moves.take(), self.step);
+        *self = Self { acting, moves, step, ..Self::new(self.structure) };
     }
 
     /// Puts the reactions of a step into `w`; its end, not beyond `until`.

@@ -6,6 +6,9 @@ use crate::phase::{dot, transposed_product};
 /// Order of the power series of a step: with `‖𝒜‖ h ≤ 2` the remainder is below `2²⁷ / 27! = 2e-20` of the state.
 pub(super) const ORDER: usize = 26;
 
+/// That remainder.
+const LEFT: f64 = 2e-20;
+
 /// A row along the flow of a step of length `h`, `r e^{𝒜 h τ} w = Σ_k (r_k w) τ^k` with `r_k = r (h 𝒜)^k / k!`.
 #[derive(Debug, Clone)]
 pub(super) struct Series {
@@ -75,7 +78,24 @@ pub(super) fn size(row: &[f64], w: &[f64]) -> f64 {
     row.iter().zip(w).map(|(r, w)| (r * w).abs()).sum()
 }
 
+/// Terms of the power series of a step that its part up to τ needs for values and slopes to the rounding that the whole
+/// step has.
+pub(super) fn terms_within(tau: f64) -> usize {
+    let mut slope = 1.0;
+    let is_felt = |k: &usize| {
+        let is_felt = slope > LEFT;
+        slope *= 2.0 * tau / *k as f64;
+        is_felt
+    };
+    (1..=ORDER).take_while(is_felt).count()
+}
+
 impl Polynomial {
+    /// Value and slope with the terms up to this one.
+    pub fn up_to(&self, terms: usize, t: f64) -> [f64; 2] {
+        self.a[..=terms].iter().rev().fold([0.0; 2], |[value, slope], a| [value * t + a, slope * t + value])
+    }
+
     /// Largest value up to `end`: where the slope falls through zero between samples, four for each radian of a step.
     pub fn highest(&self, end: f64) -> f64 {
         const CELLS: usize = 8;

@@ -2,6 +2,7 @@ use std::f64::consts::TAU;
 
 use super::ForcedMotion;
 use super::ForcedStructure;
+use super::flow::Flow;
 use super::input::fits;
 use super::trajectory::Propagator;
 use crate::TimestepError;
@@ -43,22 +44,35 @@ impl ForcedStructure {
         let mut propagator = Propagator::new(self, omega, level)?;
         let mut x = self.in_units(state, self.rate().recip());
         loop {
+            let (period, mut k) = (TAU / omega, 1);
             let mut running = propagator.start(self.augmented(&x, omega, 0.0), 0.0)?;
-            for k in 1..=n {
-                let until = TAU / omega * k as f64 / n as f64;
-                let mut largest = vec![f64::NEG_INFINITY; self.observed.len()];
-                while let Some(piece) = propagator.advance(&mut running, until)? {
-                    largest
-                        .iter_mut()
-                        .enumerate()
-                        .for_each(|(i, most)| *most = piece.observed_highest(i, *most, &running.w));
-                }
-                let observed: Vec<f64> = running.flow.observed.iter().map(|row| dot(row.row(), &running.w)).collect();
+            let mut largest = vec![f64::NEG_INFINITY; self.observed.len()];
+            let mut show = |flow: &Flow, w: &[f64], largest: &mut Vec<f64>| {
+                let observed: Vec<f64> = flow.observed.iter().map(|row| dot(row.row(), w)).collect();
                 largest.iter_mut().zip(&observed).for_each(|(most, value)| *most = most.max(*value));
-                let state = self.in_units(&running.w[..self.n_states()], self.rate());
-                if !goes_on(Flash { state: &state, observed: &observed, largest: &largest }) {
-                    return Ok(());
+                let state = self.in_units(&w[..self.n_states()], self.rate());
+                let is_going_on = goes_on(Flash { state: &state, observed: &observed, largest });
+                largest.fill(f64::NEG_INFINITY);
+                is_going_on
+            };
+            while let Some(mut piece) = propagator.advance(&mut running, period)? {
+                // The instants within it divide the piece; the last one is the end of the period.
+                while k < n && period * k as f64 / n as f64 <= piece.from + piece.length {
+                    let part = period * k as f64 / n as f64 - piece.from;
+                    let w = piece.flow.after(&piece.w, part);
+                    let rest = piece.length - part;
+                    piece.length = part;
+                    piece.raise(&mut largest, &w);
+                    if !show(&piece.flow, &w, &mut largest) {
+                        return Ok(());
+                    }
+                    (piece.from, piece.length, piece.w) = (piece.from + part, rest, w);
+                    k += 1;
                 }
+                piece.raise(&mut largest, &running.w);
+            }
+            if !show(&running.flow, &running.w, &mut largest) {
+                return Ok(());
             }
             x.copy_from_slice(&running.w[..self.n_states()]);
         }

@@ -36,8 +36,12 @@ pub(super) struct Piece {
 }
 
 impl Piece {
-    /// The largest value of an observed displacement, if that is above `most`; `end` is `w` at its end.
-    pub fn observed_highest(&self, number: usize, most: f64, end: &[f64]) -> f64 {
+    /// Raises the largest values of the observed displacements to those in it; `end` is `w` at its end.
+    pub fn raise(&self, largest: &mut [f64], end: &[f64]) {
+        largest.iter_mut().enumerate().for_each(|(i, most)| *most = self.observed_highest(i, *most, end));
+    }
+
+    fn observed_highest(&self, number: usize, most: f64, end: &[f64]) -> f64 {
         let of = &self.flow.observed[number];
         let (before, after) = (of.leading(&self.w), of.leading(end));
         if before[0].max(after[0]) + reach(&before).max(reach(&after)) <= most {

@@ -2,8 +2,8 @@ use std::sync::Arc;
 
 use nlmodes_contact::solver_by_name;
 use nlmodes_hbm::{
-    DampedStop, ForceLaw, Grazing, HbmError, Load, LoadTerm, ModalStructure, ModeStart, PhaseLag, PlacedLaw,
-    ResponseRow, about_rest, modal_grazing_opened, modal_start,
+    DampedStop, ForceLaw, Grazing, HbmError, LawAtRest, Load, LoadTerm, ModalStructure, ModeStart, PhaseLag, PlacedLaw,
+    ResponseRow, about_rest, about_rest_of_law, laws_at_rest, modal_grazing_opened, modal_start,
 };
 use nlmodes_model::reduction::{OpenModes, RestState};
 use num_complex::Complex64;
@@ -51,6 +51,19 @@ struct LawAt {
     placed: PlacedLaw,
     /// What a unit force at its place moves beyond the modes, n, m/N.
     residual: Vec<f64>,
+}
+
+/// What laws of force do to a structure that rests under static loads, beside what these do without laws.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeldByLaws {
+    /// Displacement of each degree of freedom, n, m.
+    pub displacement: Vec<f64>,
+    /// The same in the modes, m·√kg.
+    pub modal: Vec<f64>,
+    /// By how much that opens the gaps, c, m.
+    pub opening: Vec<f64>,
+    /// Where the laws rest, in their order.
+    pub laws: Vec<LawAtRest>,
 }
 
 impl ResponseModel {
@@ -121,12 +134,55 @@ impl ResponseModel {
         let load = self.open.load(&unit)?;
         let placed = PlacedLaw { law, modes: self.padded(load.modal), contacts: load.gaps, laws: Vec::new() };
         self.laws.push(LawAt { weights: weights.clone(), placed, residual: load.residual });
+        self.place_laws(samples)
+    }
+
+    fn place_laws(&mut self, samples: usize) -> Result<(), ResponseError> {
         let placed = |of: &LawAt| {
             let among = self.laws.iter().map(|other| moved(&of.weights, &other.residual)).collect();
             PlacedLaw { laws: among, ..of.placed.clone() }
         };
         self.structure = self.structure.with_laws(self.laws.iter().map(placed).collect(), samples)?;
         Ok(())
+    }
+
+    /// Counts motions from where the structure rests under static loads that move the places of its laws by `moved` (m)
+    /// without these and with its contacts open: laws are then those about that place, and gaps what is left of them.
+    /// What the laws do at rest. Laws are evaluated as by [`add_law`](Self::add_law).
+    ///
+    /// # Errors
+    /// As [`laws_at_rest`].
+    pub fn rest_on_laws(&mut self, moved: &[f64], samples: usize) -> Result<HeldByLaws, ResponseError> {
+        let laws = laws_at_rest(&self.structure, moved)?;
+        let (m, squares) = (self.open.n_modes(), self.open.omega_squared());
+        let push = |r: usize| -> f64 {
+            self.laws.iter().zip(&laws).map(|(law, at)| -law.placed.modes[r] * at.force).sum::<f64>()
+        };
+        let modal: Vec<f64> = (0..m).map(push).zip(squares).map(|(p, w)| if p == 0.0 { 0.0 } else { p / w }).collect();
+        let by_modes = |of: &dyn Fn(usize) -> f64| modal.iter().enumerate().map(|(r, eta)| of(r) * eta).sum::<f64>();
+        let beyond = |of: &dyn Fn(&LawAt) -> f64| -> f64 {
+            self.laws.iter().zip(&laws).map(|(law, at)| -of(law) * at.force).sum()
+        };
+        let displacement = (0..self.open.n_dofs())
+            .map(|dof| by_modes(&|r| self.open.shapes()[(dof, r)]) + beyond(&|law| law.residual[dof]))
+            .collect();
+        let rows = self.structure.rows();
+        let opening: Vec<f64> = (0..self.structure.n_contacts())
+            .map(|i| by_modes(&|r| rows[(i, r)]) + beyond(&|law| law.placed.contacts[i]))
+            .collect();
+        let gaps: Vec<f64> = self.structure.gaps().iter().zip(&opening).map(|(gap, by)| gap + by).collect();
+        self.structure = self.structure.with_gaps(gaps.clone())?;
+        self.open = self.open.with_stops(gaps, self.open.stop_compliance().to_vec())?;
+        let mut behind = Vec::new();
+        for (own, at) in self.laws.iter_mut().zip(&laws) {
+            let mut acting = about_rest_of_law(&own.placed.law, *at).into_iter();
+            let placed = acting.next().map(|law| PlacedLaw { law, ..own.placed.clone() });
+            own.placed = placed.unwrap_or_else(|| own.placed.clone());
+            behind.extend(acting.map(|law| LawAt { placed: PlacedLaw { law, ..own.placed.clone() }, ..own.clone() }));
+        }
+        self.laws.extend(behind);
+        self.place_laws(samples)?;
+        Ok(HeldByLaws { displacement, modal, opening, laws })
     }
 
     /// Where nonlinear modes of a structure with laws begin.

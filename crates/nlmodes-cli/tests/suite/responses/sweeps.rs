@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use serde_json::Value;
 use tempfile::tempdir;
 
 use super::{Outcome, ROD, run, said, summary};
@@ -41,6 +42,31 @@ fn a_slow_sweep_follows_the_curve_and_jumps_behind_its_folds() -> Outcome {
     assert!((sweeps[0]["duration_s"].as_f64().ok_or("no duration")? / expected - 1.0).abs() < 1e-9);
     let figure = fs::read_to_string(folder.path().join("out/responses.svg"))?;
     assert!(figure.contains("0.2 N, swept up") && figure.contains("0.2 N, swept down"));
+    Ok(())
+}
+
+/// Without a stop the amplitudes of a sweep are those of the first spring, as on the curve.
+#[test]
+fn with_a_cubic_spring_both_jumps_are_in_the_sweeps() -> Outcome {
+    let scene = "[structure]\nkind = \"rod\"\nlength_m = 1.0\nelements = 4\nstart = \"clamped\"\n\
+        material = { youngs_modulus_pa = 1.0, density_kg_m3 = 1.0 }\nsection = { area_m2 = 1.0 }\n\
+        [[spring]]\nat_m = 1.0\ndirection = \"axial\"\nlaw = { polynomial = [0.0, 0.0, 0.3] }\n[damping]\nratio = 0.02\n\
+        [reduction]\nmodes = 2\n[[force]]\nat_m = 0.5\ndirection = \"axial\"\n[[response]]\nkind = \"frequency\"\n\
+        frequency_hz = [0.25, 0.28]\nlevels_n = [0.07]\nsweep = true\nsweep_s = 4800.0\n[method]\nharmonics = 5\n\
+        [output]\nfigures = false\npage = false\n";
+    let folder = tempdir()?;
+    let output = run(folder.path(), scene, &[])?;
+    assert_eq!(output.status.code(), Some(0), "{}", said(&output));
+    let found = summary(folder.path())?;
+    let jumps = found["levels"][0]["jumps"].as_array().ok_or("no jumps")?;
+    assert_eq!(jumps.len(), 2, "{jumps:?}");
+    for jump in jumps {
+        let [curve, swept] = ["frequency_hz", "swept_frequency_hz"].map(|key| jump[key].as_f64().unwrap_or(f64::NAN));
+        assert!((swept / curve - 1.0).abs() < 5e-3, "{jump}");
+    }
+    let peak = |of: &Value| of["peak"]["amplitude_m"].as_f64().unwrap_or(f64::NAN);
+    let (up, curve) = (peak(&found["sweeps"][0]), peak(&found["levels"][0]));
+    assert!((up / curve - 1.0).abs() < 0.02, "{up} {curve}");
     Ok(())
 }
 

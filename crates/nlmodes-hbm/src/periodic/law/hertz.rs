@@ -16,7 +16,7 @@ pub struct HertzStop {
     pub stiffness: f64,
     /// `n`, at least one.
     pub exponent: f64,
-    /// Clearance `g₀` at rest, m, not negative.
+    /// Clearance `g₀` at rest, m; negative of one that presses there.
     pub gap: f64,
     /// `χ`, s/m; zero for none.
     pub dissipation: f64,
@@ -52,6 +52,10 @@ impl ForceLaw for HertzStop {
 
     fn stop_gap(&self) -> Option<f64> {
         Some(self.gap)
+    }
+
+    fn stop_moved(&self, by: f64) -> Option<Arc<dyn ForceLaw>> {
+        Some(Arc::new(Self { gap: self.gap - by, ..*self }))
     }
 }
 

@@ -189,7 +189,8 @@ fn amplitude_within(laws: &[PlacedLaw], shape: &[f64], omega_squared: f64, share
             let sample = |j: usize| {
                 let tau = TAU * j as f64 / SAMPLES as f64;
                 let (v, rate) = (amplitude * row * tau.cos(), -omega * amplitude * row * tau.sin());
-                let beyond = placed.law.at(v, rate).force - tangent.stiffness * v - tangent.damping * rate;
+                let change = placed.law.at(v, rate).force - tangent.force;
+                let beyond = change - tangent.stiffness * v - tangent.damping * rate;
                 // Even laws push in the mean alone.
                 beyond.abs() * row.abs()
             };

@@ -16,7 +16,6 @@ pub struct Keys {
     stiffness: Option<f64>,
     damping: Option<f64>,
     friction: Option<f64>,
-    gap: f64,
 }
 
 impl From<&RawContact> for Keys {
@@ -28,7 +27,6 @@ impl From<&RawContact> for Keys {
             stiffness: raw.stiffness_n_m,
             damping: raw.damping_n_s_m,
             friction: raw.friction_estimate,
-            gap: raw.gap_m,
         }
     }
 }
@@ -42,7 +40,6 @@ impl From<&RawNodeContact> for Keys {
             stiffness: raw.stiffness_n_m,
             damping: raw.damping_n_s_m,
             friction: raw.friction_estimate,
-            gap: raw.gap_m.unwrap_or(0.0),
         }
     }
 }
@@ -56,7 +53,6 @@ impl From<&RawRowContact> for Keys {
             stiffness: raw.stiffness_n_m,
             damping: raw.damping_n_s_m,
             friction: None,
-            gap: raw.gap_m,
         }
     }
 }
@@ -80,11 +76,6 @@ pub fn law(i: usize, keys: Keys, diagnostics: &mut Diagnostics<'_>) -> Option<He
     for (key, _, help) in others.iter().filter(|(_, value, _)| value.is_some()) {
         let diagnostic = Diagnostic::error(format!("`{}` beside `stiffness_hertz_n_m15`", path(key)));
         diagnostics.put(&path(key), diagnostic.help(*help), "expected one of the two in this table");
-    }
-    if keys.gap < 0.0 {
-        let diagnostic = Diagnostic::error(format!("`{}` presses a stop with a law of force", path("gap_m")));
-        let help = "where both come to rest is not computed: give the law about that place, or a linear stop";
-        diagnostics.put(&path("gap_m"), diagnostic.help(help), "expected a gap that is not negative");
     }
     let (exponent, dissipation) = (keys.exponent.unwrap_or(ROUND), keys.dissipation.unwrap_or(0.0));
     Some(Hertz { stiffness, exponent, dissipation })

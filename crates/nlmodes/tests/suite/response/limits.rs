@@ -1,8 +1,10 @@
 //! Limits with known answers, in several systems of units: linear responses, damping proportional to the mass, no
 //! damping, multipliers, published numbers.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
+use nlmodes::hbm::Polynomial;
 use nlmodes::model::reduction::{ModeCount, OpenModes};
 use nlmodes::response::{
     Damping, EndReason, Event, ResponseCurve, ResponseModel, ResponseSettings, appropriation, conservative_mode,
@@ -251,4 +253,47 @@ fn a_force_over_the_level_meets_the_response_over_the_frequency() {
         assert!((a.omega / settings.window[1] - 1.0).abs() < 1e-12);
         assert!((a.drive - b.drive).norm() < 1e-9 * a.drive.norm());
     }
+}
+
+/// `K(m)` by the arithmetic-geometric mean.
+fn complete_elliptic(m: f64) -> f64 {
+    let (mut a, mut g) = (1.0, (1.0 - m).sqrt());
+    for _ in 0..30 {
+        (a, g) = (0.5 * (a + g), (a * g).sqrt());
+    }
+    PI / (2.0 * a)
+}
+
+/// Duffing's oscillator without damping under the load of which `A cn(p t | m)` is the response. Disturbances fulfil the
+/// equation of Lamé, of which `cn dn` is a solution where `p² = 1/(1 − 5 m)`: the response turns back there, at
+/// `π p/(2 K(m))`.
+#[test]
+fn a_fold_of_duffings_response_is_where_elliptic_functions_have_it() {
+    let (m, amplitude) = (0.1_f64, 1.0_f64);
+    let square = 1.0 / (1.0 - 5.0 * m);
+    let (alpha, kappa) = (square * (1.0 - 2.0 * m), 2.0 * m * square / (amplitude * amplitude));
+    let (k, nome) = (complete_elliptic(m), (-PI * complete_elliptic(1.0 - m) / complete_elliptic(m)).exp());
+    let omega = PI * square.sqrt() / (2.0 * k);
+    let one = sparse_from_triplets(1, 1, &[(0, 0, 1.0)]).unwrap();
+    let dof = Dof { node: 0, position: 0.0, kind: DofKind::Axial };
+    let structure = StructuralModel::new(one.clone(), one, vec![dof], Vec::new()).unwrap();
+    let open = OpenModes::of_model(&structure, ModeCount::Lowest(1)).unwrap();
+    let mut model = ResponseModel::new(open, &Damping::Ratios(vec![0.0])).unwrap();
+    model.add_law(&vec![(0, 1.0)], Arc::new(Polynomial { coefficients: vec![0.0, 0.0, kappa] }), 64).unwrap();
+    for n in (0..10).map(|j| 2 * j + 1) {
+        let q = nome.powf(0.5 * f64::from(n));
+        let cn = amplitude * 2.0 * PI / (m.sqrt() * k) * q / (1.0 + q * q);
+        model.push_force(0, (1.0 - alpha) * cn, n as usize, 0.0).unwrap();
+    }
+    model.set_drive(0).unwrap();
+    let settings =
+        ResponseSettings { harmonics: 21, from_upper_end: true, ..ResponseSettings::new([0.9 * omega, 1.5 * omega]) };
+    let curve = frequency_response(&model, 1.0, &settings).unwrap();
+    let fold = curve.points.iter().find(|point| point.events.contains(&Event::Fold)).unwrap();
+    assert!((fold.omega / omega - 1.0).abs() < 1e-10, "{} {omega}", fold.omega);
+    let fundamental = {
+        let q = nome.sqrt();
+        amplitude * 2.0 * PI / (m.sqrt() * k) * q / (1.0 + q * q)
+    };
+    assert!((fold.drive.norm() / fundamental - 1.0).abs() < 1e-6, "{} {fundamental}", fold.drive);
 }
