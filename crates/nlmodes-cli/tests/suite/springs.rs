@@ -392,6 +392,15 @@ fn under_a_constant_force_modes_with_laws_are_those_about_the_place_at_rest() ->
     let missing = text.lines().find(|line| line.starts_with("what is missing")).ok_or(text.clone())?;
     let missing: f64 = missing.split_whitespace().nth(5).ok_or("no number")?.parse()?;
     assert!(missing < 1e-4, "{text}");
+    // In time it stays where it rests.
+    let scene = one_mass(stop);
+    let (structure, _) = scene.split_once("[method]").ok_or("no method")?;
+    let motion = "[transient]\nduration_s = 20.0\nfrom = \"static\"\n[[transient.place]]\nat_m = 1.0\n\
+        direction = \"axial\"\n[output]\nfigures = false\npage = false\n";
+    fs::write(folder.path().join("still.toml"), format!("{structure}{motion}"))?;
+    let output = Command::cargo_bin("nlmodes-cli")?.args(["run", "still.toml"]).current_dir(folder.path()).output()?;
+    let said = String::from_utf8(output.stdout)?;
+    assert!(said.contains("1 m, axial: from 0.256909 to 0.256909 m"), "{said}{rest}");
     Ok(())
 }
 

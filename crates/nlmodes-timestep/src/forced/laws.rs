@@ -193,6 +193,9 @@ const ITERATIONS: usize = 30;
 const HALVINGS: usize = 12;
 const CONVERGED: f64 = 1e-14;
 
+/// Share of a force up to which it is rounding.
+const ROUNDING: f64 = 1e-13;
+
 /// Share of the step that the error allows, and bounds of how it changes.
 const CAUTION: f64 = 0.9;
 const CHANGES: [f64; 2] = [0.2, 2.0];
@@ -430,7 +433,10 @@ impl<'a> LawSteps<'a> {
                 let own = &u[l * S..(l + 1) * S];
                 let reaction: f64 =
                     (0..S).map(|k| tau.powi(k as i32) * (0..S).map(|j| monomials.0[k][j] * own[j]).sum::<f64>()).sum();
-                defect = defect.max(strength * (reaction + at.law.at(v, rate)[0]).abs());
+                let force = at.law.at(v, rate)[0];
+                // Forces in balance at rest are so up to rounding.
+                let rounding = ROUNDING * (reaction.abs() + force.abs());
+                defect = defect.max(strength * ((reaction + force).abs() - rounding).max(0.0));
             }
         }
         self.moves = Some(Moves { closed: flow.closed.clone(), step: h, by });
