@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 /// files of their scene count from there.
 pub fn entered(results: &Path) -> PathBuf {
     let absolute = std::path::absolute(results).unwrap_or_else(|_| results.to_path_buf());
-    // Where the folder is gone, the files that are missed are told.
+    // Where the folder is gone, the missing files are reported.
     match nlmodes_run::started_in(&absolute).map(std::env::set_current_dir) {
         Some(Err(_)) | None => results.to_path_buf(),
         Some(Ok(())) => absolute,

@@ -19,7 +19,7 @@ pub struct Unstable {
     frequency_hz: [f64; 2],
     /// Number of the point in the middle.
     point: usize,
-    /// What it becomes; none where that cannot be told.
+    /// What it becomes; none where that is not known.
     #[serde(skip_serializing_if = "Option::is_none")]
     becomes: Option<Becomes>,
     /// Why not.
@@ -44,7 +44,7 @@ impl Unstable {
 /// Name of the check for who looks on.
 const CHECK: &str = "what unstable motions become";
 
-/// Follows the middle of each unstable stretch of the levels, for as long as `look` lets it.
+/// Follows the middle of each unstable segment of the levels, for as long as `look` lets it.
 pub fn follow((scene, model): (&Scene, &Model), curves: &[ComputedResponse], levels: &mut [Level], look: Looking<'_>) {
     let rows = rows(curves);
     let mut stretches: Vec<(usize, usize, [usize; 2])> = Vec::new();
