@@ -205,7 +205,7 @@ def main():
                      "cpu_s": round(seconds, 3), "points": points, "words": words if code else ""})
         if code:
             print(f"{path.stem}: {code}, {seconds:.1f} s, {points} points: {words}", flush=True)
-    (arguments.out / "rows.json").write_text(json.dumps(rows, indent=1))
+        (arguments.out / "rows.json").write_text(json.dumps(rows, indent=1))
     for key in ("way", "stops", "harmonics", "kind"):
         for value in sorted({row[key] for row in rows}, key=str):
             of = [row for row in rows if row[key] == value]
