@@ -117,9 +117,9 @@ impl HtmlReport<'_> {
     }
 }
 
-/// Why a branch ended, and on which internal resonance.
+/// Why a branch ended, and on which internal resonance where its message does not name that.
 fn said(branch: &ModalBranch) -> String {
-    match tongue_at_end(branch) {
+    match tongue_at_end(branch).filter(|tongue| !branch.end.message.contains(tongue)) {
         Some(tongue) => format!("{}, on the internal-resonance branch {tongue}", escape(&branch.end.message)),
         None => escape(&branch.end.message),
     }

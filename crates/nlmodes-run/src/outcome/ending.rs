@@ -56,6 +56,9 @@ fn advice(computed: &ComputedBranch) -> Option<String> {
         return None;
     }
     let resonance = computed.branch.points.last()?.resonance.as_ref()?;
+    if end.message.contains(&resonance.to_string()) {
+        return None;
+    }
     // Advice that was taken already is not given.
     let advice = match computed.skips_internal_resonances() {
         true => "",

@@ -82,7 +82,7 @@ pub(super) fn follow(
             if let Some(followed) = followed.last().filter(|_| is_aside && end.complete) {
                 end.complete = tracer.settings.internal_resonance != ResonanceRule::Skip;
                 end.message += &format!(
-                    ", on the internal-resonance branch {}, which was followed: {}",
+                    "; on the internal-resonance branch {}, which was followed: {}",
                     followed.resonance, followed.why
                 );
             }
