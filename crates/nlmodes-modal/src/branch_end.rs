@@ -1,5 +1,7 @@
 use std::fmt;
 
+use crate::InternalResonance;
+
 /// Why a branch ended.
 ///
 /// Tables and summaries name reasons by [`EndReason::name`].
@@ -92,6 +94,11 @@ impl BranchEnd {
         self
     }
 
+    /// Whether its message has it that the branch ended on this internal-resonance branch.
+    pub fn is_on(&self, resonance: InternalResonance) -> bool {
+        self.message.contains(&format!("internal-resonance branch {resonance},"))
+    }
+
     /// The end of a branch that was followed in one direction.
     pub fn new(reason: EndReason, message: impl Into<String>, complete: bool) -> Self {
         Self { reasons: vec![reason], message: message.into(), complete }
@@ -116,6 +123,14 @@ impl BranchEnd {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_message_is_about_the_internal_resonance_that_it_names_and_no_other() {
+        let at = |harmonic, mode| InternalResonance { harmonic, mode };
+        let message = "the energy was reached; on the internal-resonance branch 2:mode 2, which was followed: none";
+        let end = BranchEnd::new(EndReason::MaxEnergy, message.to_owned(), true);
+        assert!(end.is_on(at(2, 2)) && !end.is_on(at(12, 2)) && !end.is_on(at(2, 21)) && !end.is_on(at(2, 1)));
+    }
 
     #[test]
     fn a_branch_that_was_followed_both_ways_has_two_reasons() {

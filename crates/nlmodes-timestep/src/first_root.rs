@@ -37,9 +37,9 @@ enum Cell {
 /// of that guard.
 ///
 /// In a cell of half-width r about m, a guard `f` differs from its Taylor polynomial of second degree by at most
-/// `G r³/6`, `|f'''| ≤ G`. A cell has no root if that polynomial exceeds the difference; if `f` is proven to be monotone
-/// or of one curvature in it, its ends or its extremum decide; otherwise it is halved. Thus no pair of roots is missed,
-/// however close, and grazing is decided by the value at the extremum. Values above minus a few rounding errors of its
+/// `G r³/6`, `|f'''| ≤ G`. A cell has no root if that polynomial exceeds the difference; if `f` is proven to be
+/// monotone or of one curvature in it, its ends or its extremum decide; otherwise it is halved. Thus no pair of roots is
+/// missed, however close, and grazing is decided by the value at the extremum. Values above minus a few rounding errors of its
 /// size also count as no root: a guard may be zero all the time.
 ///
 /// The guards go through the cells together, in the order of time: what they share is computed once a cell, and no cell

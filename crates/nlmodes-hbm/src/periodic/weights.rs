@@ -1,4 +1,4 @@
-use nlmodes_linalg::Mat;
+use nlmodes_linalg::{Mat, column};
 use num_complex::Complex64;
 
 use super::change::{StructureChange, nowhere};
@@ -217,12 +217,11 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 /// Sum over all entries, or, of matrices that are folded, over those up to the diagonal.
 fn dot_of_columns(a: &Mat<f64>, b: &Mat<f64>, is_folded: bool) -> f64 {
-    let column = |j: usize| {
+    let of_column = |j: usize| {
         let end = if is_folded { j + 1 } else { a.nrows() };
-        let both = a.col(j).try_as_col_major().zip(b.col(j).try_as_col_major());
-        both.map_or(f64::NAN, |(a, b)| dot(&a.as_slice()[..end], &b.as_slice()[..end]))
+        dot(&column(a, j)[..end], &column(b, j)[..end])
     };
-    (0..a.ncols()).map(column).sum()
+    (0..a.ncols()).map(of_column).sum()
 }
 
 fn add_scaled<T>(factor: f64, from: &[T], to: &mut [T])

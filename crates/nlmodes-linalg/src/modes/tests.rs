@@ -1,14 +1,7 @@
 use std::sync::Arc;
 
-use faer::MatRef;
-
 use super::*;
-use crate::{Digits, bilinear, multiply, sparse_from_triplets};
-
-/// Column `j` as a slice.
-fn column(a: MatRef<'_, f64>, j: usize) -> &[f64] {
-    a.col(j).try_as_col_major().expect("columns of a Mat are contiguous").as_slice()
-}
+use crate::{Digits, bilinear, column, multiply, sparse_from_triplets};
 
 /// Springs `k` and masses `m` in a row; fixed at the first end unless `free`.
 fn chain(n: usize, free: bool, mass: impl Fn(usize) -> f64) -> (SparseMatrix, SparseMatrix) {
@@ -34,13 +27,13 @@ fn free_chain(n: usize, r: usize) -> f64 {
 fn assert_modes(k: &SparseMatrix, m: &SparseMatrix, modes: &Modes) {
     let largest_k = k.val().iter().fold(0.0_f64, |l, v| l.max(v.abs()));
     for (i, &λ) in modes.eigenvalues.iter().enumerate() {
-        let φ = column(modes.vectors.as_ref(), i);
+        let φ = column(&modes.vectors, i);
         let (kφ, mφ) = (multiply(k, φ), multiply(m, φ));
         let size = φ.iter().fold(0.0_f64, |l, v| l.max(v.abs()));
         let worst = kφ.iter().zip(&mφ).fold(0.0_f64, |l, (k, m)| l.max((k - λ * m).abs()));
         assert!(worst <= 1e-10 * largest_k * size, "residual {worst:e} of mode {i}");
         for j in 0..=i {
-            let product = bilinear(column(modes.vectors.as_ref(), j), m, φ);
+            let product = bilinear(column(&modes.vectors, j), m, φ);
             assert!((product - f64::from(i == j)).abs() < 1e-12, "modes {i} and {j}: {product:e}");
         }
         let first = φ.iter().find(|v| v.abs() >= (1.0 - 1e-6) * size).unwrap();
@@ -113,7 +106,7 @@ fn massless_coordinates_follow_statically() {
             assert!((a / b - 1.0).abs() < 1e-12);
         }
         assert_modes(&k, &m, &few);
-        let φ = column(few.vectors.as_ref(), 3);
+        let φ = column(&few.vectors, 3);
         let kφ = multiply(&k, φ);
         assert!(kφ.iter().step_by(2).all(|f| f.abs() < 1e-13 * φ.iter().fold(0.0_f64, |l, v| l.max(v.abs()))));
     }

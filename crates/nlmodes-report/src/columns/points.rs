@@ -234,7 +234,8 @@ row! {
             "path that the closed contact slides per period, of the motion without friction";
         friction_power_w: Option<f64>, "W",
             "`wear_work_rate_w` times `friction_estimate` of the contact: an estimate, since the motion is computed \
-             without friction; 1 to 9 % too high in steady sliding, 31 to 290 % where impacts and sliding alternate";
+             without friction: some per cent too high in steady sliding, an order of magnitude where impacts and \
+             sliding alternate";
     }
 }
 

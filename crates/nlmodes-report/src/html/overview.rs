@@ -119,7 +119,8 @@ impl HtmlReport<'_> {
 
 /// Why a branch ended, and on which internal resonance where its message does not name that.
 fn said(branch: &ModalBranch) -> String {
-    match tongue_at_end(branch).filter(|tongue| !branch.end.message.contains(tongue)) {
+    let resonance = branch.points.last().and_then(|point| point.resonance);
+    match resonance.filter(|resonance| !branch.end.is_on(*resonance)) {
         Some(tongue) => format!("{}, on the internal-resonance branch {tongue}", escape(&branch.end.message)),
         None => escape(&branch.end.message),
     }

@@ -55,10 +55,7 @@ fn advice(computed: &ComputedBranch) -> Option<String> {
     if computed.left_mode().is_some() || computed.branch.points.iter().any(|p| p.has_event(Event::Resumed)) {
         return None;
     }
-    let resonance = computed.branch.points.last()?.resonance.as_ref()?;
-    if end.message.contains(&resonance.to_string()) {
-        return None;
-    }
+    let resonance = computed.branch.points.last()?.resonance.filter(|resonance| !end.is_on(*resonance))?;
     // Advice that was taken already is not given.
     let advice = match computed.skips_internal_resonances() {
         true => "",

@@ -18,8 +18,8 @@ pub struct Output {
     /// For which points Floquet multipliers are computed
     #[serde(default)]
     pub stability: StabilityChoice,
-    /// Wall time allowed for the multipliers of each curve; points beyond it have none, which is reported. Default: three
-    /// times that of the curve, at least ten seconds
+    /// Wall time allowed for the multipliers of each curve; points beyond it have none, which is reported. Default:
+    /// three times that of the curve, at least ten seconds
     #[serde(default)]
     #[schemars(extend("unit" = "s", "minimum" = 0.0))]
     pub stability_budget_s: Option<f64>,

@@ -181,7 +181,7 @@ fn resume(
     let (mut distance, sense) = (BEYOND.0, if upward { 1.0 } else { -1.0 });
     let highest = tracer.settings.max_energy_ratio.map_or(f64::INFINITY, f64::ln);
     let (mut why, mut least, mut has_less) = (None, f64::INFINITY, false);
-    // Where nothing is found the branch is followed, unless it was asked for that none be.
+    // Where nothing is found the branch is followed, which whoever asks for "skip" does not want.
     let effort = if tracer.settings.internal_resonance == ResonanceRule::Skip { Effort::SOME } else { Effort::LITTLE };
     while distance < FURTHEST {
         let hz = near.omega * (1.0 + sense * distance) / TAU;

@@ -264,8 +264,8 @@ fn complete_elliptic(m: f64) -> f64 {
     PI / (2.0 * a)
 }
 
-/// Duffing's oscillator without damping under the load of which `A cn(p t | m)` is the response. Disturbances fulfil the
-/// equation of Lamé, of which `cn dn` is a solution where `p² = 1/(1 − 5 m)`: the response turns back there, at
+/// Duffing's oscillator without damping under the load of which `A cn(p t | m)` is the response. Disturbances fulfil
+/// the equation of Lamé, of which `cn dn` is a solution where `p² = 1/(1 − 5 m)`: the response turns back there, at
 /// `π p/(2 K(m))`.
 #[test]
 fn a_fold_of_duffings_response_is_where_elliptic_functions_have_it() {
