@@ -28,9 +28,7 @@ impl Budget {
     /// Does the work with a watch that ends it where the budget is used up, or where `watch` does; `None` where it did
     /// not come to an end.
     pub fn spend<T>(&mut self, watch: &Watch, work: impl FnOnce(&Watch) -> Option<T>) -> Option<T> {
-        let beside = self.beside();
-        let limit = self.limit.unwrap_or_else(|| LEAST.max(beside.saturating_mul(TIMES)));
-        let left = limit.saturating_sub(self.spent);
+        let left = self.left();
         if left.is_zero() {
             self.left_out += 1;
             return None;
@@ -46,6 +44,16 @@ impl Budget {
             self.left_out += 1;
         }
         found
+    }
+
+    fn left(&self) -> Duration {
+        let limit = self.limit.unwrap_or_else(|| LEAST.max(self.beside().saturating_mul(TIMES)));
+        limit.saturating_sub(self.spent)
+    }
+
+    /// Whether no time is left.
+    pub fn is_used_up(&self) -> bool {
+        self.left().is_zero()
     }
 
     /// Time that has passed without the work.
@@ -67,7 +75,7 @@ mod tests {
     fn work_beyond_the_budget_is_left_out_and_counted() {
         let mut budget = Budget::new(Some(0.0));
         assert_eq!(budget.spend(&Watch::default(), |_| Some(1)), None);
-        assert_eq!(budget.left_out(), 1);
+        assert!(budget.left_out() == 1 && budget.is_used_up());
         let mut budget = Budget::new(Some(0.02));
         let until_ended = |watch: &Watch| -> Option<()> {
             while watch.evaluates().is_ok() {

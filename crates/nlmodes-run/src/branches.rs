@@ -9,7 +9,7 @@ mod sink;
 mod starts;
 mod summary;
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use nlmodes::branches::{
     BranchError, BranchSettings, ComputedBranch, ComputedTree, check_branch, compute_tree_with_log,
@@ -123,7 +123,8 @@ fn one_branch(
         return Err(unwritable(failure, !sink.is_empty()));
     }
     let mut tree = tree.map_err(|error| refusal::of_branch_in(file, open.as_ref(), &error))?;
-    let points_time = began.elapsed();
+    let stability_time: Duration = tree.branches.iter().map(|computed| computed.stability_time).sum();
+    let points_time = began.elapsed().saturating_sub(stability_time);
     let thorough = observer.certifies() && !observer.is_cancelled();
     let watch = observer.watch();
     let shift = mass::shift(scene, &modes);
@@ -149,10 +150,7 @@ fn one_branch(
         Ok(Some(stress)) => stressed(scene, (stress, open.as_ref()), state.as_ref(), &mut tree.branches),
         _ => Ok(()),
     };
-    let differentiated = differentiated.and_then(|_| match scene.sensitivities.is_empty() {
-        true => Ok(()),
-        false => rewritten(scene, &tree.branches),
-    });
+    let rewritten = rewritten(scene, &tree.branches);
     let solids = stress.as_ref().ok().and_then(|stress| stress.as_ref()?.solids());
     let laid = tree.branches.first().map(|first| Overlaid::new(laid, &BranchCurve::new(first, &[], state.as_ref())));
     let (written, linear, participation) = match found {
@@ -182,7 +180,8 @@ fn one_branch(
                 Some(laid) => write(scene, &about, (&tree, &curves, &certificates, laid), began),
                 None => Ok(()),
             };
-            let written = written.and(period.map(drop)).and(slid).and(stressed).and(differentiated);
+            let written =
+                written.and(period.map(drop)).and(slid).and(stressed).and(differentiated.map(drop)).and(rewritten);
             let written = written.and(stress.as_ref().map(drop).map_err(|error| error.to_string().into()));
             (written, linear, participation)
         }
@@ -220,18 +219,17 @@ fn slid(
     sliding::of_branches(scene, (model, open), nodes, branches)
 }
 
-/// Says how large the stress of the branches is, and writes their tables anew with it.
+/// Says how large the stress of the branches is.
 fn stressed(
     scene: &Scene,
     (stress, open): (&Stress, Option<&OpenStructure>),
     state: Option<&StaticState>,
     branches: &mut [ComputedBranch],
 ) -> Result<(), Failure> {
-    for (number, computed) in branches.iter_mut().enumerate() {
+    for computed in branches {
         let moves = |point: usize, dofs: &[usize]| moves_of_branch(scene, open, computed, point, dofs);
         let found = stress.of_points(&BranchCurve::new(computed, &[], state), open, moves)?;
         computed.branch.points.iter_mut().zip(found).for_each(|(point, found)| point.stress = found);
-        write_branch(branch_directory(&scene.output_directory, number).join("branch.csv"), &computed.branch)?;
     }
     Ok(())
 }

@@ -2,25 +2,43 @@
 
 use crate::bracket::falls_below_zero;
 
-/// A smooth function of time with a bound of its third derivative.
+/// A smooth function of time that a polynomial of second degree approximates within bounds.
 pub(crate) trait Guard {
-    /// What all functions that are watched together share at one time.
+    /// What all functions that are watched together share in one cell.
     type Shared: Default;
 
-    /// What is shared at `t`.
-    fn share(&self, t: f64, shared: &mut Self::Shared);
+    /// What is computed once for all cells.
+    type Bounds;
 
-    /// The function, its first and second derivative at the time of `shared`.
-    fn evaluate_shared(&self, shared: &Self::Shared) -> [f64; 3];
+    /// What the bounds in each cell follow from; none for a function that is not finite.
+    fn bounds(&self) -> Option<Self::Bounds>;
+
+    /// What is shared in the cell of half-width `r` about `middle`.
+    fn share(&self, middle: f64, r: f64, shared: &mut Self::Shared);
+
+    /// The function in the cell of `shared`.
+    fn approximate(&self, bounds: &Self::Bounds, shared: &Self::Shared) -> Approximation;
 
     /// The function, its first and second derivative.
     fn evaluate(&self, t: f64) -> [f64; 3];
 
-    /// Bound of the magnitude of its third derivative at all times that are asked for.
-    fn third_derivative(&self) -> f64;
-
     /// Scale of its rounding errors.
     fn size(&self) -> f64;
+}
+
+/// A function within a cell.
+pub(crate) struct Approximation {
+    /// Value, slope and curvature of a polynomial of second degree in the middle of the cell.
+    pub polynomial: [f64; 3],
+    /// Bounds of the differences of the function, its slope and its curvature from those of the polynomial.
+    pub differences: [f64; 3],
+}
+
+impl Approximation {
+    /// A Taylor polynomial of a function whose third derivative is bounded by `third` in a cell of half-width `r`.
+    pub fn taylor(polynomial: [f64; 3], third: f64, r: f64) -> Self {
+        Self { polynomial, differences: [third * r * r * r / 6.0, 0.5 * third * r * r, third * r] }
+    }
 }
 
 /// Information on the sign of a guard within a cell.
@@ -36,17 +54,17 @@ enum Cell {
 /// Smallest `t` in `[0, end]` at which one of these guards, none of them negative at 0, becomes negative, and the index
 /// of that guard.
 ///
-/// In a cell of half-width r about m, a guard `f` differs from its Taylor polynomial of second degree by at most
-/// `G r³/6`, `|f'''| ≤ G`. A cell has no root if that polynomial exceeds the difference; if `f` is proven to be
-/// monotone or of one curvature in it, its ends or its extremum decide; otherwise it is halved. Thus no pair of roots is
+/// A cell has no root if the polynomial of a guard exceeds the bound of its difference from it; if the guard is proven to
+/// be monotone or of one curvature in it, its ends or its extremum decide; otherwise it is halved. Thus no pair of roots is
 /// missed, however close, and grazing is decided by the value at the extremum. Values above minus a few rounding errors of its
 /// size also count as no root: a guard may be zero all the time.
 ///
 /// The guards go through the cells together, in the order of time: what they share is computed once a cell, and no cell
 /// behind the first root is examined.
 pub(crate) fn first_negative<G: Guard>(guards: &[G], end: f64) -> Option<(f64, usize)> {
-    let limits: Vec<[f64; 2]> = guards.iter().map(|f| [f.third_derivative(), 4.0 * f64::EPSILON * f.size()]).collect();
-    let bounded: Vec<usize> = (0..guards.len()).filter(|&i| limits[i].iter().all(|limit| limit.is_finite())).collect();
+    let bounds: Vec<Option<G::Bounds>> = guards.iter().map(G::bounds).collect();
+    let noises: Vec<f64> = guards.iter().map(|f| 4.0 * f64::EPSILON * f.size()).collect();
+    let bounded: Vec<usize> = (0..guards.len()).filter(|&i| bounds[i].is_some() && noises[i].is_finite()).collect();
     let resolution = 2.0 * f64::EPSILON * end;
     let (mut cells, mut shared) = (vec![(0.0, end, bounded)], G::Shared::default());
     let mut first: Option<(f64, usize)> = None;
@@ -57,14 +75,14 @@ pub(crate) fn first_negative<G: Guard>(guards: &[G], end: f64) -> Option<(f64, u
         let middle = 0.5 * (from + to);
         let mut halved = Vec::new();
         if let Some(&i) = undecided.first() {
-            guards[i].share(middle, &mut shared);
+            guards[i].share(middle, 0.5 * (to - from), &mut shared);
         }
         for i in undecided {
-            let f = &guards[i];
-            let leaves = match judge(f, (from, to), f.evaluate_shared(&shared), limits[i]) {
+            let (f, Some(bounds)) = (&guards[i], &bounds[i]) else { continue };
+            let leaves = match judge(f, (from, to), f.approximate(bounds, &shared), noises[i]) {
                 Cell::Quiet => None,
                 Cell::Leaves(t) => Some(t),
-                Cell::Unclear if to - from <= resolution => (f.evaluate(to)[0] < -limits[i][1]).then_some(to),
+                Cell::Unclear if to - from <= resolution => (f.evaluate(to)[0] < -noises[i]).then_some(to),
                 Cell::Unclear => {
                     halved.push(i);
                     None
@@ -83,26 +101,23 @@ pub(crate) fn first_negative<G: Guard>(guards: &[G], end: f64) -> Option<(f64, u
     first
 }
 
-/// Information on a guard with these values in the middle of a cell.
-fn judge(
-    f: &impl Guard,
-    (from, to): (f64, f64),
-    [value, slope, curvature]: [f64; 3],
-    [bound, noise]: [f64; 2],
-) -> Cell {
+/// Information on the guard `f` in a cell, with its rounding errors `noise`.
+fn judge(f: &impl Guard, (from, to): (f64, f64), within: Approximation, noise: f64) -> Cell {
     let r = 0.5 * (to - from);
-    if lowest(value, slope, curvature, r) + noise >= bound * r * r * r / 6.0 {
+    let Approximation { polynomial: [value, slope, curvature], differences: [of_value, of_slope, of_curvature] } =
+        within;
+    if lowest(value, slope, curvature, r) + noise >= of_value {
         return Cell::Quiet;
     }
     let at_end = || if f.evaluate(to)[0] < 0.0 { Cell::Leaves(root(f, 0, from, to)) } else { Cell::Quiet };
-    if slope.abs() > curvature.abs() * r + 0.5 * bound * r * r {
+    if slope.abs() > curvature.abs() * r + of_slope {
         return if slope > 0.0 { Cell::Quiet } else { at_end() };
     }
-    if curvature > bound * r {
+    if curvature > of_curvature {
         let lowest = lowest_of_convex(f, from, to);
         return if f.evaluate(lowest)[0] < 0.0 { Cell::Leaves(root(f, 0, from, lowest)) } else { Cell::Quiet };
     }
-    if -curvature > bound * r {
+    if -curvature > of_curvature {
         return at_end();
     }
     Cell::Unclear

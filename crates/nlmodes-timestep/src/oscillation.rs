@@ -1,4 +1,4 @@
-use crate::first_root::{Guard, root};
+use crate::first_root::{Approximation, Guard, root};
 
 /// A guard along a motion: `f(t) = c + Σ_k a_k cos ω_k t + b_k sin(ω_k t)/ω_k + d_k (1 − cos ω_k t)/ω_k²`, with `t` in
 /// place of `sin(ω t)/ω` and `t²/2` in place of the last factor where `ω = 0`.
@@ -42,24 +42,24 @@ pub(crate) fn fall_integral(omega: f64, t: f64) -> f64 {
 impl Oscillation<'_> {
     /// `f`, `f'` and `f''` at `t`.
     pub fn evaluate(&self, t: f64) -> [f64; 3] {
-        self.sum(t, |k| cosine_and_sine(self.omega[k], t))
+        self.sum(t, self.omega.iter().map(|omega| cosine_and_sine(*omega, t)))
     }
 
-    /// `f`, `f'` and `f''` at `t`, with `cos ω_k t` and `sin(ω_k t)/ω_k` from `turn`.
-    fn sum(&self, t: f64, turn: impl Fn(usize) -> (f64, f64)) -> [f64; 3] {
+    /// The first modes' share of `f`, `f'` and `f''` at `t`, with their `cos ω_k t` and `sin(ω_k t)/ω_k`.
+    fn sum(&self, t: f64, turns: impl Iterator<Item = (f64, f64)>) -> [f64; 3] {
         let mut value = [self.constant, 0.0, 0.0];
-        for (k, ((a, b), lambda)) in self.a.iter().zip(&self.b).zip(self.lambda).enumerate() {
-            let (cos, sin) = turn(k);
+        for (k, (cos, sin)) in turns.enumerate() {
+            let (a, b, lambda) = (self.a[k], self.b[k], self.lambda[k]);
             let share = a * cos + b * sin;
             value[0] += share;
             value[1] += b * cos - a * lambda * sin;
             value[2] -= lambda * share;
-        }
-        for (k, d) in self.d.iter().enumerate().filter(|(_, d)| **d != 0.0) {
-            let (cos, sin) = turn(k);
-            value[0] += d * fall(self.omega[k], t);
-            value[1] += d * sin;
-            value[2] += d * cos;
+            let d = self.d.get(k).copied().unwrap_or(0.0);
+            if d != 0.0 {
+                value[0] += d * fall(self.omega[k], t);
+                value[1] += d * sin;
+                value[2] += d * cos;
+            }
         }
         value
     }
@@ -80,13 +80,6 @@ impl Oscillation<'_> {
             .map(|k| self.a[k] * cosine_and_sine(self.omega[k], end).1 + self.b[k] * fall(self.omega[k], end));
         let pulled = self.pulled().map(|(omega, d)| d * fall_integral(omega, end));
         self.constant * end + terms.sum::<f64>() + pulled.sum::<f64>()
-    }
-
-    /// Bound of `|f'''|` for all times.
-    fn third_derivative(&self) -> f64 {
-        let terms = self.lambda.iter().zip(self.omega).zip(self.a.iter().zip(&self.b));
-        let pulled = self.pulled().map(|(omega, d)| omega * d.abs());
-        terms.map(|((λ, ω), (a, b))| λ * (ω * a).hypot(*b)).sum::<f64>() + pulled.sum::<f64>()
     }
 
     /// Sum of the magnitudes of the amplitudes: the scale of rounding errors of `f`.
@@ -120,32 +113,64 @@ impl Oscillation<'_> {
     }
 }
 
-/// `t`, and `cos ωt` and `sin(ωt)/ω` of each mode there.
+/// A cell, and `cos ωt` and `sin(ωt)/ω` of the modes that are slow in it, in its middle.
 #[derive(Debug, Default)]
 pub(crate) struct Turned {
-    t: f64,
-    turns: Vec<(f64, f64)>,
+    middle: f64,
+    r: f64,
+    slow: Vec<(f64, f64)>,
+}
+
+/// Bounds for the modes below and from each mode on, one more than modes.
+pub(crate) struct Bounds {
+    /// Of the third derivative of the modes below.
+    third: Vec<f64>,
+    /// Of value, slope and curvature of the other modes.
+    fast: Vec<[f64; 3]>,
 }
 
 impl Guard for Oscillation<'_> {
     type Shared = Turned;
+    type Bounds = Bounds;
 
-    fn share(&self, t: f64, shared: &mut Turned) {
-        shared.t = t;
-        shared.turns.clear();
-        shared.turns.extend(self.omega.iter().map(|omega| cosine_and_sine(*omega, t)));
+    fn bounds(&self) -> Option<Bounds> {
+        let modes = self.omega.len();
+        let (mut third, mut fast) = (vec![0.0; modes + 1], vec![[0.0; 3]; modes + 1]);
+        let speed = |k: usize| {
+            let pulled = self.d.get(k).map_or(0.0, |d| if *d == 0.0 { 0.0 } else { 2.0 * d.abs() / self.omega[k] });
+            (self.omega[k] * self.a[k]).hypot(self.b[k]) + pulled
+        };
+        let speeds: Vec<f64> = (0..modes).map(speed).collect();
+        for (k, speed) in speeds.iter().enumerate() {
+            third[k + 1] = third[k] + if self.omega[k] > 0.0 { self.lambda[k] * speed } else { 0.0 };
+        }
+        for (k, speed) in speeds.iter().enumerate().rev() {
+            let [value, slope, curvature] = fast[k + 1];
+            fast[k] = [value + speed / self.omega[k], slope + speed, curvature + speed * self.omega[k]];
+        }
+        third[modes].is_finite().then_some(Bounds { third, fast })
     }
 
-    fn evaluate_shared(&self, shared: &Turned) -> [f64; 3] {
-        self.sum(shared.t, |k| shared.turns[k])
+    /// A mode is slow as long as the bound of what its Taylor polynomial leaves, `(ωr)³/6` of its amplitude, is no more
+    /// than the amplitude.
+    fn share(&self, middle: f64, r: f64, shared: &mut Turned) {
+        let slow = self.omega.partition_point(|omega| (omega * r).powi(3) <= 6.0);
+        (shared.middle, shared.r) = (middle, r);
+        shared.slow.clear();
+        shared.slow.extend(self.omega[..slow].iter().map(|omega| cosine_and_sine(*omega, middle)));
+    }
+
+    /// The Taylor polynomial of the slow modes; of the others no more is known than how far they can go.
+    fn approximate(&self, bounds: &Bounds, cell: &Turned) -> Approximation {
+        let slow = cell.slow.len();
+        let polynomial = self.sum(cell.middle, cell.slow.iter().copied());
+        let mut within = Approximation::taylor(polynomial, bounds.third[slow], cell.r);
+        within.differences.iter_mut().zip(bounds.fast[slow]).for_each(|(difference, fast)| *difference += fast);
+        within
     }
 
     fn evaluate(&self, t: f64) -> [f64; 3] {
         self.evaluate(t)
-    }
-
-    fn third_derivative(&self) -> f64 {
-        self.third_derivative()
     }
 
     fn size(&self) -> f64 {
@@ -257,10 +282,38 @@ mod tests {
             let integral = t + t * t + 0.5 * sin / 3.0 - 0.7 * (1.0 - cos) / 3.0;
             assert!((f.integral(t) - integral).abs() < 1e-12 * (1.0 + t * t), "{t}: {}", f.integral(t));
         }
-        // The third derivative is 27 √(0.5² + 0.7²) at most.
-        assert!((f.third_derivative() - 27.0 * 0.74_f64.sqrt()).abs() < 1e-12);
+        // The third derivative is 27 √(0.5² + 0.7²) at most, and the oscillation alone goes √(0.5² + 0.7²) far.
+        let bounds = f.bounds().unwrap();
+        assert!((bounds.third[2] - 27.0 * 0.74_f64.sqrt()).abs() < 1e-12 && bounds.third[1] == 0.0);
+        let expected = [1.0, 3.0, 9.0].map(|factor| factor * 0.74_f64.sqrt());
+        assert!(bounds.fast[1].iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12) && bounds.fast[2] == [0.0; 3]);
         let negated = mixed(&lambda, &omega).negated();
         assert!(negated.evaluate(0.9).iter().zip(f.evaluate(0.9)).all(|(a, b)| (a + b).abs() < 1e-14));
+    }
+
+    #[test]
+    fn in_each_cell_a_guard_differs_from_its_approximation_by_no_more_than_its_bounds() {
+        let lambda = [0.0, 1.0, 30.0, 4e3, 5e5];
+        let omega = lambda.map(f64::sqrt);
+        let a = vec![0.3, 1.0, -0.2, 0.01, -2e-4];
+        let b = vec![-0.1, 0.4, 0.7, 0.9, 0.3];
+        let f = Oscillation { lambda: &lambda, omega: &omega, a, b, d: vec![0.0, 0.5, 0.0, 3.0, 0.0], constant: 0.2 };
+        let bounds = f.bounds().unwrap();
+        let mut cell = Turned::default();
+        for (middle, r) in [(5.0, 5.0), (0.3, 1.7), (2.0, 0.3), (7.7, 0.02), (1.1, 1e-3)] {
+            f.share(middle, r, &mut cell);
+            let Approximation { polynomial: [value, slope, curvature], differences } = f.approximate(&bounds, &cell);
+            let mut largest = [0.0_f64; 3];
+            for s in (-500..=500).map(|j| r * f64::from(j) / 500.0) {
+                let polynomial = [value + slope * s + 0.5 * curvature * s * s, slope + curvature * s, curvature];
+                let at = f.evaluate(middle + s);
+                (0..3).for_each(|i| largest[i] = largest[i].max((at[i] - polynomial[i]).abs()));
+            }
+            assert!(
+                largest.iter().zip(differences).all(|(found, bound)| *found <= bound),
+                "{r}: {largest:?} {differences:?}"
+            );
+        }
     }
 
     #[test]

@@ -29,9 +29,13 @@ impl Ending {
         let (points, end) = (&computed.branch.points, &computed.branch.end);
         let at = points.last().map_or_else(String::new, |p| format!(" at {:.6} Hz", p.omega / TAU));
         let (seconds, advice) = (time.as_secs_f64(), advice(computed).unwrap_or_default());
+        let stability = match computed.stability_time.as_secs_f64() {
+            little if little < 0.005 => String::new(),
+            seconds => format!(", their stability in {seconds:.2} s"),
+        };
         Self {
             line: format!(
-                "{name}{} in {seconds:.2} s; ended{at}: {}{advice}",
+                "{name}{} in {seconds:.2} s{stability}; ended{at}: {}{advice}",
                 counted(points.len(), "point"),
                 end.message
             ),

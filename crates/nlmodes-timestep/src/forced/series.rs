@@ -1,6 +1,6 @@
 use nlmodes_linalg::Mat;
 
-use crate::first_root::{Guard, root};
+use crate::first_root::{Approximation, Guard, root};
 use crate::phase::{dot, transposed_product};
 
 /// Order of the power series of a step: with `‖𝒜‖ h ≤ 2` the remainder is below `2²⁷ / 27! = 2e-20` of the state.
@@ -119,14 +119,23 @@ impl Polynomial {
 }
 
 impl Guard for Polynomial {
-    type Shared = f64;
+    /// Middle and half-width of the cell.
+    type Shared = (f64, f64);
 
-    fn share(&self, t: f64, shared: &mut f64) {
-        *shared = t;
+    /// Of the third derivative.
+    type Bounds = f64;
+
+    fn bounds(&self) -> Option<f64> {
+        let third: f64 = (3..=ORDER).map(|k| (k * (k - 1) * (k - 2)) as f64 * self.a[k].abs()).sum();
+        third.is_finite().then_some(third)
     }
 
-    fn evaluate_shared(&self, t: &f64) -> [f64; 3] {
-        self.evaluate(*t)
+    fn share(&self, middle: f64, r: f64, shared: &mut (f64, f64)) {
+        *shared = (middle, r);
+    }
+
+    fn approximate(&self, third: &f64, (middle, r): &(f64, f64)) -> Approximation {
+        Approximation::taylor(self.evaluate(*middle), *third, *r)
     }
 
     fn evaluate(&self, t: f64) -> [f64; 3] {
@@ -137,10 +146,6 @@ impl Guard for Polynomial {
             value = value * t + a;
         }
         [value, slope, 2.0 * half]
-    }
-
-    fn third_derivative(&self) -> f64 {
-        (3..=ORDER).map(|k| (k * (k - 1) * (k - 2)) as f64 * self.a[k].abs()).sum()
     }
 
     fn size(&self) -> f64 {

@@ -1,4 +1,5 @@
 use std::sync::Arc;
+use std::time::Duration;
 
 use nlmodes_continuation::{ParametricSystem, StopReason};
 use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting, Switching};
@@ -29,6 +30,8 @@ pub struct ComputedBranch {
     pub largest_unfolding: Option<f64>,
     /// Evaluations of residual and Jacobian.
     pub evaluations: usize,
+    /// Wall time for the stability of its points, once they had been found.
+    pub stability_time: Duration,
     /// Iterations of the contact solver along the branches of the computation, over all contact problems, in the unit
     /// of that solver.
     pub contact_iterations: usize,
@@ -109,6 +112,7 @@ impl ComputedBranch {
         };
         self.largest_unfolding = self.largest_unfolding.into_iter().chain(other.largest_unfolding).reduce(f64::max);
         self.evaluations += other.evaluations;
+        self.stability_time += other.stability_time;
         self.contact_iterations += other.contact_iterations;
         self.refused_steps += other.refused_steps;
         if let (Some(own), Some(other)) = (&mut self.accuracy, other.accuracy) {
@@ -127,6 +131,16 @@ impl ComputedBranch {
     /// The internal-resonance branches that the branch follows.
     pub fn tongues(&self) -> Vec<Tongue> {
         tongues(&self.branch.points)
+    }
+
+    /// `ln E/E_g` of a point, the parameter of its equations.
+    pub(super) fn energy_of(&self, point: usize) -> f64 {
+        (self.branch.points[point].kinetic_energy / self.grazing.energy).ln()
+    }
+
+    /// The unknowns of a point with the parameter of its equations.
+    pub(super) fn solution(&self, point: usize) -> Vec<f64> {
+        self.unknowns[point].iter().copied().chain([self.energy_of(point)]).collect()
     }
 
     /// The settings with the harmonics of a point, which an accuracy has chosen.
@@ -250,7 +264,7 @@ pub(super) fn branch_end(stop: &StopReason, tracer: &Tracer, n_points: usize) ->
         StopReason::Stopped if n_points >= settings.max_points => &StopReason::MaxPoints,
         stop => stop,
     };
-    let end = curve_end(stop, settings.max_points, |coordinate, value| {
+    curve_end(stop, settings.max_points, |coordinate, value| {
         if coordinate == dim {
             energy_bound(value, reference)
         } else if coordinate == frequency {
@@ -258,6 +272,5 @@ pub(super) fn branch_end(stop: &StopReason, tracer: &Tracer, n_points: usize) ->
         } else {
             (EndReason::Bound, format!("unknown {coordinate} reached {value}"))
         }
-    });
-    end.without_stability(tracer.viewer.without_stability())
+    })
 }

@@ -1,7 +1,8 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
-use nlmodes_continuation::{RunLog, TreeBranch, WatchedLog};
+use nlmodes_continuation::{Budget, RunLog, TreeBranch, WatchedLog};
 use nlmodes_hbm::{CondensedStructure, Grazing, Symmetry, grazing};
 use nlmodes_modal::{BranchEnd, Event, ModalPoint};
 use nlmodes_model::MasslessContactModel;
@@ -28,7 +29,8 @@ pub struct ComputedTree {
     pub not_followed: usize,
 }
 
-/// Computes the nonlinear mode of `model` as one branch. Each point is shown to `observe` when it is found.
+/// Computes the nonlinear mode of `model` as one branch. Each point is shown to `observe` when it is found, its
+/// stability follows when the branch is complete.
 ///
 /// # Errors
 /// As [`compute_tree`].
@@ -106,6 +108,7 @@ fn with_modes(
         shooting_modes(model, settings)?;
     }
     let structure = Arc::new(condense(model.clone(), settings, at_least)?);
+    let mut budget = Budget::new(settings.stability_budget_s);
     let start = begin(&structure, settings)?;
     check_window(settings, &start)?;
     let mut tracer = Tracer::new(&structure, &start, settings, fewest, log)?;
@@ -129,7 +132,17 @@ fn with_modes(
         return Ok(WithModes::TooFew(structure.n_held_modes()));
     }
     let branches = traced.into_iter().enumerate();
-    let branches = branches.map(|(number, traced)| computed(&tracer, &structure, settings, number, traced)).collect();
+    let mut branches: Vec<ComputedBranch> =
+        branches.map(|(number, traced)| computed(&tracer, &structure, settings, number, traced)).collect();
+    for number in 0..branches.len() {
+        let began = Instant::now();
+        let added = branches[number].find_stability(&mut budget);
+        branches[number].stability_time = began.elapsed();
+        let origins = branches.iter_mut().filter_map(|branch| branch.origin.as_mut());
+        for origin in origins.filter(|origin| origin.branch == number) {
+            origin.point += added.iter().filter(|before| **before <= origin.point).count();
+        }
+    }
     Ok(WithModes::Done(ComputedTree { branches, not_followed }))
 }
 
@@ -163,6 +176,7 @@ fn computed(
         origin,
         unknowns,
         evaluations: found.evaluations,
+        stability_time: Duration::ZERO,
         contact_iterations: tracer.contact_iterations(),
         refused_steps: found.refused_steps,
         accuracy,

@@ -45,10 +45,7 @@ impl ComputedBranch {
     fn between(&self, k: usize, amplitude: f64, ends: [f64; 2]) -> Result<Option<PointBetween>, BranchError> {
         let settings = self.settings_at(k + 1);
         let mut problem = periodic(&self.structure, &settings, &self.grazing)?;
-        let ends_with_p = [k, k + 1].map(|k| {
-            let p = (self.branch.points[k].kinetic_energy / self.grazing.energy).ln();
-            self.unknowns[k].iter().copied().chain([p]).collect::<Vec<f64>>()
-        });
+        let ends_with_p = [k, k + 1].map(|k| self.solution(k));
         // The number of harmonics may change between the two.
         let n_harmonics = self.settings_at(k).harmonics;
         let [from, to] = match problem.harmonics() {

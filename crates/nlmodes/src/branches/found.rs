@@ -45,8 +45,6 @@ pub(super) struct Found {
     start_event: Option<Event>,
     /// Where the branch leaves its nonlinear mode.
     departure: Departure,
-    /// The solution kept last, with its parameter.
-    last: Option<Vec<f64>>,
     /// Where the run began, and whether that point is left out.
     start: Option<Vec<f64>>,
     start_is_known: bool,
@@ -58,8 +56,7 @@ impl Found {
         Self { start_event, start_is_known: matches!(first, First::Known), ..Self::default() }
     }
 
-    /// The points that are kept of one of the continuation: none, itself, or before it the one at which the stability
-    /// changes.
+    /// The point that is kept of one of the continuation, if it is.
     fn keep(&mut self, viewer: &mut Viewer, point: &BranchPoint) -> &[ModalPoint] {
         let before = self.points.len();
         self.take(viewer, point);
@@ -103,8 +100,7 @@ impl Found {
         self.add(viewer, point, named.into_iter().collect(), None)
     }
 
-    /// Adds a point with these events beside those of the continuation, and before it the one at which the stability
-    /// changes.
+    /// Adds a point with these events beside those of the continuation.
     fn add(
         &mut self,
         viewer: &mut Viewer,
@@ -116,36 +112,12 @@ impl Found {
         modal.events = names.into_iter().chain(point.events.iter().map(|e| event_of(*e))).collect();
         modal.error_estimate = error.map(|e| e.frequency);
         self.largest_held_modes_error = error.map_or(0.0, |e| e.held_modes).max(self.largest_held_modes_error);
-        if let Some((x, change)) = self.stability_change(viewer, point, &modal) {
-            self.push(change, x);
-        }
         if self.departure.is_seen(&modal) {
             modal.events.push(Event::OtherMode);
         }
-        viewer.accepted(&modal);
-        self.last = Some(point.z());
-        self.push(modal, point.x.clone());
-        Some(())
-    }
-
-    fn push(&mut self, modal: ModalPoint, x: Vec<f64>) {
         self.points.push(modal);
-        self.unknowns.push(x);
-    }
-
-    /// The point between the last one and this at which the stability changes, if it does.
-    fn stability_change(
-        &self,
-        viewer: &mut Viewer,
-        point: &BranchPoint,
-        modal: &ModalPoint,
-    ) -> Option<(Vec<f64>, ModalPoint)> {
-        let (before, now) = (self.points.last()?.stability?.stable, modal.stability?.stable);
-        // A change of the number of harmonics is no way along which to look.
-        let from = self.last.as_ref().filter(|last| before != now && last.len() == point.x.len() + 1)?;
-        let (x, mut change) = viewer.change(from, &point.z(), now)?;
-        change.events.push(Event::StabilityChange);
-        Some((x, change))
+        self.unknowns.push(point.x.clone());
+        Some(())
     }
 
     /// A run begins, from a point that has not been seen.
@@ -196,7 +168,6 @@ impl Found {
     pub fn truncate(&mut self, count: usize) {
         self.points.truncate(count);
         self.unknowns.truncate(count);
-        self.last = None;
     }
 
     /// Takes the points of another run behind its own.

@@ -43,14 +43,6 @@ impl<'s> Periodic<'s> {
         Self { equations: Equations::Exact(Box::new(problem)), watch: settings.watch.clone() }
     }
 
-    /// The exact problem, if it is one.
-    pub fn shooting(&mut self) -> Option<&mut ModeShooting> {
-        match &mut self.equations {
-            Equations::Harmonics(_) => None,
-            Equations::Exact(problem) => Some(problem),
-        }
-    }
-
     /// Unknowns at grazing and the direction of growing amplitude.
     pub fn start(&self, grazing: &Grazing) -> (Vec<f64>, Vec<f64>) {
         match &self.equations {

@@ -109,11 +109,6 @@ impl ComputedBranch {
         solve(&with(&from, p), &with(&vec![0.0; from.len()], 1.0))
     }
 
-    /// `ln E/E_g` of a point, the parameter of its equations.
-    fn energy_of(&self, point: usize) -> f64 {
-        (self.branch.points[point].kinetic_energy / self.grazing.energy).ln()
-    }
-
     /// The difference of the unknowns of the neighbours of a point, where they have as many.
     fn along(&self, point: usize) -> Option<Vec<f64>> {
         let [before, behind] = [point.saturating_sub(1), (point + 1).min(self.unknowns.len() - 1)];
