@@ -144,7 +144,7 @@ fn rest(
     let is_open = kind == ReductionKind::OpenModes;
     // No contact of open modes has mass: what the scene says of it has no effect.
     let rule = raw.method.mass_redistribution.filter(|_| !is_open);
-    let written = RawMethod { mass_redistribution: rule, ..raw.method.clone() };
+    let written = RawMethod { mass_redistribution: rule, ..raw.method.with_harmonics(raw) };
     let method = method::check(&written, raw, subject, &contacts, diagnostics).map(|method| match is_open {
         true => Method { mass_redistribution: MassRule::None, ..method },
         false => method,

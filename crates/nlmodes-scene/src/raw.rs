@@ -76,6 +76,7 @@ pub struct RawAnalysis {
     #[schemars(length(max = 1000))]
     pub sensitivity: Option<Vec<RawSensitivity>>,
     /// How the periodic motion is computed; several methods are given under headings `[[method]]`
+    #[serde(default)]
     pub method: RawMethod,
     /// Where the branch starts, where it ends, and what it does on the way
     pub continuation: Continuation,

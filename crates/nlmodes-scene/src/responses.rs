@@ -4,22 +4,12 @@
 use toml::Spanned;
 use toml::de::{DeArray, DeTable, DeValue};
 
-/// Harmonics from which the number of modes follows where a motion in time has no `[method]`.
-const HARMONICS_OF: &str = "harmonics = 10";
-
-/// Adds the tables `[method]` and `[continuation]` where a scene of a motion in time has none: it has no use for them.
+/// Adds the table `[continuation]` where a scene of a motion in time has none: it has no use for it.
 pub fn of_transient(root: &mut DeTable<'_>) {
     let Some(place) = root.get("transient").map(Spanned::span) else { return };
     if !root.contains_key("continuation") {
         let empty = Spanned::new(place.clone(), DeValue::Table(DeTable::new()));
-        root.insert(Spanned::new(place.clone(), "continuation".into()), empty);
-    }
-    if !root.contains_key("method") {
-        let Ok(method) = DeTable::parse(HARMONICS_OF) else { return };
-        root.insert(
-            Spanned::new(place.clone(), "method".into()),
-            Spanned::new(place, DeValue::Table(method.into_inner())),
-        );
+        root.insert(Spanned::new(place, "continuation".into()), empty);
     }
 }
 

@@ -80,14 +80,13 @@ fn under_one_or_two_brackets(rule: &mut Value) {
     *rule = json!({ "description": written["description"], "anyOf": kinds });
 }
 
-/// A scene with responses need not say where a branch ends, and one of a motion in time no method either.
+/// A scene with responses, or of a motion in time, need not say where a branch ends.
 fn without_an_end(demand: &mut Value) {
     let Some(required) = demand["required"].as_array_mut() else { return };
     let before = required.len();
-    required.retain(|key| key != "continuation" && key != "method");
+    required.retain(|key| key != "continuation");
     if required.len() < before {
         demand["oneRequired"] = json!(["continuation", "response", "transient"]);
-        demand["allOf"] = json!([{ "anyOf": [{ "required": ["method"] }, { "required": ["transient"] }] }]);
     }
 }
 
@@ -104,22 +103,18 @@ pub fn schema_of<T: JsonSchema>() -> Value {
     schema
 }
 
-/// Words with which a choice may be written beside its own.
-const ALIASES: [(&str, &str); 4] =
-    [("open-modes", "free-interface"), ("held-modes", "fixed-interface"), ("auto", "figures"), ("always", "all")];
-
-/// Adds the other words of choices.
+/// Adds the other words of choices, each given with its choice as `alias`.
 fn with_aliases(value: &mut Value) {
     match value {
         Value::Object(object) => {
             if let Some(Value::Array(choices)) = object.get_mut("oneOf") {
-                let other = |choice: &Value| {
-                    let (_, alias) = ALIASES.iter().find(|(own, _)| choice["const"] == *own)?;
+                let other = |choice: &mut Value| {
+                    let alias = choice.as_object_mut()?.remove("alias")?;
                     let mut other = choice.clone();
-                    other["const"] = json!(alias);
+                    other["const"] = alias;
                     Some(other)
                 };
-                let others: Vec<Value> = choices.iter().filter_map(other).collect();
+                let others: Vec<Value> = choices.iter_mut().filter_map(other).collect();
                 choices.extend(others);
             }
             object.values_mut().for_each(with_aliases);

@@ -1,16 +1,20 @@
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 
+use super::RawAnalysis;
 use crate::scene::{ContactSolver, MAX_HARMONICS, MassRule, MethodKind, Switching, Symmetry};
 
 /// Most harmonics that an accuracy chooses where the scene does not say.
 pub const DEFAULT_MAX_HARMONICS: u32 = 60;
+/// Harmonics where the scene says neither how many nor how accurate, of modes and of responses, and those from which
+/// the number of modes of a transient follows.
+const DEFAULT_HARMONICS: [u32; 3] = [7, 15, 10];
 /// Most samples a period that a scene may ask for.
 pub const MAX_SAMPLES: u32 = 1 << 20;
 
 /// How the periodic motion is computed.
 #[derive(Debug, Clone, Default, Deserialize, JsonSchema)]
-#[schemars(extend("required" = [], "oneRequired" = ["harmonics", "accuracy"]))]
+#[schemars(extend("required" = []))]
 pub struct RawMethod {
     /// Method
     #[schemars(extend("default" = "ms-hbm"))]
@@ -18,9 +22,9 @@ pub struct RawMethod {
     /// Number of the linear mode from which the branch starts, 1 for the lowest
     #[schemars(range(min = 1), extend("default" = 1))]
     pub mode: Option<u32>,
-    /// Number of harmonics of the motion, not counting its mean. To begin with, 7 for modes and 15 for responses; the
-    /// estimated errors tell whether more are needed. A list computes one branch for each. With shooting, the number
-    /// of harmonics that are written
+    /// Number of harmonics of the motion, not counting its mean; default: 7 for modes, 15 for responses, 10 for a
+    /// transient, chosen with `accuracy`. The estimated errors tell whether more are needed. A list computes one branch
+    /// for each. With shooting, the number of harmonics that are written
     #[schemars(schema_with = "one_or_several_harmonics")]
     pub harmonics: Option<Vec<u32>>,
     /// Largest relative error of the frequency, at the same energy, that may come from harmonics and fixed-interface
@@ -53,6 +57,20 @@ pub struct RawMethod {
     /// Number of fixed-interface modes that carry the dynamics; default: chosen by the program, for shooting all
     #[schemars(range(min = 1))]
     pub held_modes: Option<u32>,
+}
+
+impl RawMethod {
+    /// The same with harmonics where neither their number nor an accuracy is given.
+    pub fn with_harmonics(&self, scene: &RawAnalysis) -> Self {
+        let [of_modes, of_responses, of_transients] = DEFAULT_HARMONICS;
+        let default = match scene.transient {
+            Some(_) => of_transients,
+            None if scene.has_responses() => of_responses,
+            None => of_modes,
+        };
+        let harmonics = self.harmonics.clone().or_else(|| self.accuracy.is_none().then(|| vec![default]));
+        Self { harmonics, ..self.clone() }
+    }
 }
 
 /// A whole number, or a list of them; a single one is read as a list.

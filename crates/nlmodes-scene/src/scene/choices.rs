@@ -102,9 +102,11 @@ choices! {
         /// Modes with open contacts, and the static flexibility of all others
         #[default]
         #[serde(alias = "free-interface")]
+        #[schemars(extend("alias" = "free-interface"))]
         OpenModes = "open-modes",
         /// Modes with held contacts, the mass of their nodes left out or moved
         #[serde(alias = "fixed-interface")]
+        #[schemars(extend("alias" = "fixed-interface"))]
         HeldModes = "held-modes",
     }
     /// Mass matrix of the elements.
@@ -180,9 +182,11 @@ choices! {
         /// For all points of shooting, and for those in harmonics of structures of up to 40 modes and 16 contacts
         #[default]
         #[serde(alias = "figures")]
+        #[schemars(extend("alias" = "figures"))]
         Auto = "auto",
         /// For all points
         #[serde(alias = "all")]
+        #[schemars(extend("alias" = "all"))]
         Always = "always",
         /// For none
         Never = "never",

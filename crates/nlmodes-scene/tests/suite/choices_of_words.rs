@@ -33,3 +33,27 @@ fn a_choice_of_two_words_is_read_by_either() {
         assert_eq!((scene.stability, scene.stability_budget_s), (stability, Some(2.5)), "{often}");
     }
 }
+
+#[test]
+fn a_word_of_another_choice_is_refused() {
+    let text = format!("{}internal_resonance = \"figures\"\n", ROD);
+    let refused = parse_each_method("rod.toml", &text, &[]).map_err(|refused| refused.text(false)).unwrap_err();
+    assert!(refused.contains("\"follow\" or \"skip\"") && !refused.contains("\"skip\" or \"figures\""), "{refused}");
+}
+
+/// Harmonics of a scene with these tables in place of `[method]`.
+fn harmonics(tables: &str) -> Vec<usize> {
+    let text = ROD.replace("[method]\nharmonics = 3\n", "") + tables;
+    let files = parse_each_method("rod.toml", &text, &[]).map_err(|refused| refused.text(false)).unwrap();
+    files[0].scene.method.harmonics_list.clone()
+}
+
+#[test]
+fn without_a_method_modes_have_seven_harmonics_and_responses_fifteen() {
+    const RESPONSE: &str = "[damping]\nratio = 0.01\n[response]\nkind = \"damped-mode\"\n\
+        [[force]]\nat_m = 1.0\ndirection = \"axial\"\namplitude_n = 1.0\n";
+    assert_eq!((harmonics(""), harmonics("[method]\n")), (vec![7], vec![7]));
+    assert_eq!((harmonics(RESPONSE), harmonics("[method]\nharmonics = [5, 3]\n")), (vec![15], vec![3, 5]));
+    // An accuracy chooses them, from two on.
+    assert_eq!(harmonics("[method]\naccuracy = 1e-3\n"), vec![2]);
+}
