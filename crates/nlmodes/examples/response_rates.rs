@@ -84,7 +84,7 @@ fn solutions(case: &Case) -> Result<Solutions> {
         if found.residual > SOLVED {
             return Err(format!("{}: no solution with {n} harmonics ({:.1e})", case.name, found.residual).into());
         }
-        let motion = finer.refined_motion(&found)?;
+        let motion = finer.motion(&found.x, found.p)?;
         let contact = &motion.contacts[0];
         state = state_of(case, &motion.eta);
         all.push((n, [contact.free_fundamental.norm(), contact.closed_share, contact.peak_force]));

@@ -136,14 +136,7 @@ impl PeriodicSystem {
     /// held, there are no derivatives.
     pub fn gradient_of(&mut self, found: &Refined, watched: Option<&Watched>) -> Result<MotionGradient, HbmError> {
         self.response.take_any_phase();
-        self.keep_below(found);
-        let gradient = self.whole_gradient(&found.x, found.p, watched);
-        self.keep_nothing_below();
-        gradient
-    }
-
-    fn whole_gradient(&mut self, x: &[f64], p: f64, watched: Option<&Watched>) -> Result<MotionGradient, HbmError> {
-        let n = self.dim();
+        let (x, p, n) = (&found.x, found.p, self.dim());
         let mut lin = Linearization::new(n);
         self.linearize(x, p, &mut lin)?;
         let known = self.known_of(lin.jacobian, x, p)?;

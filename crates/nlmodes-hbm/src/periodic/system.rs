@@ -63,8 +63,6 @@ pub struct PeriodicSystem {
     pub(super) reactions: [Vec<f64>; 2],
     /// What a parameter does to the reactions where the motion stays; else empty.
     pub(super) varied_reactions: Vec<f64>,
-    /// What lies below the last digit of each unknown of a refined solution; else empty.
-    pub(super) rest: Vec<f64>,
     pub(crate) blocks: Vec<HarmonicBlock>,
     pub(super) assembly: Assembly,
 }
@@ -114,7 +112,6 @@ impl PeriodicSystem {
             maps: Vec::new(),
             y: vec![0.0; c * series.width()],
             forces: Vec::new(),
-            rest: Vec::new(),
             blocks: vec![HarmonicBlock::default(); harmonics + 1],
             assembly: Assembly::new(d, series),
             structure,
@@ -223,11 +220,7 @@ impl PeriodicSystem {
             self.maps.clear();
         }
         self.operator.solve(&self.y)?;
-        self.forces = if self.rest.is_empty() {
-            self.operator.apply(&self.y)
-        } else {
-            self.operator.fine_forces(&self.fine_gaps(x, &moved[3]))
-        };
+        self.forces = self.operator.apply(&self.y);
         let mut generalised = self.generalised(&self.forces);
         let unit = self.unit();
         let coefficients: Vec<f64> = x[..self.n_coefficients()].iter().map(|x| x * unit).collect();

@@ -61,7 +61,7 @@ fn compare(found: &Points, branch: &Points, tolerance: f64) -> [usize; 2] {
             let length = way[0] * way[0] + way[1] * way[1];
             let share = ((here[0] - a[0]) * way[0] + (here[1] - a[1]) * way[1]) / length;
             let off = (0..2).map(|k| (here[k] - a[k] - share * way[k]).powi(2)).sum::<f64>().sqrt();
-            (0.0..=1.0).contains(&share).then_some((off, share, pair))
+            (-1e-9..=1.0 + 1e-9).contains(&share).then_some((off, share, pair))
         });
         let Some((off, share, pair)) = near.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
         assert!(off < tolerance, "a motion at {here:?} that the branch does not have, by {off:e}");

@@ -226,7 +226,7 @@ impl Curve<'_> {
         found: Refined,
     ) -> Result<ResponsePoint, ResponseError> {
         let system = another.unwrap_or(&mut self.system);
-        let motion = system.refined_motion(&found)?;
+        let motion = system.motion(&found.x, found.p)?;
         let Refined { x, p, residual, .. } = found;
         let of = |row: &ResponseRow, harmonic: usize| amplitude(system, &motion, row, harmonic);
         let drive = self.drive.as_ref().map_or(Complex64::default(), |drive| of(&drive.row, drive.harmonic));

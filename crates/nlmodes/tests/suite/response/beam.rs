@@ -45,10 +45,11 @@ fn responses_of_the_beam_before_its_rigid_stop_reach_the_ends_of_their_window() 
         assert!((curve.points.last().unwrap().omega / window[1] - 1.0).abs() < 1e-12);
         assert!(curve.points.iter().any(|p| p.motion.contacts[0].touches > 0));
         for point in &curve.points {
-            // Away from resonance the power is a thousandth of what swings to and fro, and the stop is rigid.
+            // Away from resonance the power is a thousandth of what swings to and fro, and the stop is rigid: the last
+            // digit of the gaps is more than that in its force.
             let balance = point.motion.input_power / point.motion.dissipated_power - 1.0;
             let said = (point.omega / TAU, point.residual, &point.events, point.motion.contacts[0].closed_share);
-            assert!(balance.abs() < 1e-12, "{level} N: {balance:e} {said:?}");
+            assert!(balance.abs() < 1e-9, "{level} N: {balance:e} {said:?}");
         }
     }
     let resonance = phase_resonance(&model, 8.0, &settings).unwrap();
