@@ -30,28 +30,6 @@ fn along(of: &DofContact, omega: f64, gap: [f64; 3]) -> [f64; 3] {
 
 /// Contacts over a period: stops at degrees of freedom, and a motion of angular frequency `omega` (rad/s).
 impl ContactOperator {
-    /// Motion and force of contact `contact` at `samples` equidistant instants and the end of the period.
-    pub(crate) fn time_history(
-        &self,
-        contacts: &[DofContact],
-        contact: usize,
-        omega: f64,
-        samples: usize,
-        label: &str,
-    ) -> TimeHistory {
-        let of = contacts[contact];
-        let mut history = self.empty((contact, &of), omega, label);
-        let mut at = [0, 1, 2].map(|_| vec![0.0; self.y.len()]);
-        for j in 0..=samples {
-            let tau = TAU * j as f64 / samples as f64;
-            let set = self.sets.get(self.set_at(tau));
-            self.free_gaps_at(tau, &mut at);
-            let (gap, force) = state_in(set, contact, of.stop_compliance(), &at);
-            history.push(tau / omega, along(&of, omega, gap), force);
-        }
-        history
-    }
-
     /// Motion and force of each contact at `samples` equidistant instants and the end of the period.
     pub(crate) fn equidistant_histories(
         &self,
@@ -183,7 +161,7 @@ impl MixedShooting<'_> {
         samples: usize,
         label: &str,
     ) -> Result<TimeHistory, HbmError> {
-        self.system.time_history(x, self.structure.model().contacts(), contact, samples, label)
+        Ok(self.equidistant_histories(x, samples, label)?.swap_remove(contact))
     }
 
     /// The same of each contact.

@@ -246,26 +246,7 @@ impl PeriodicSystem {
         Ok(self.operator.time_histories(contacts, at.omega, samples, label))
     }
 
-    /// The same of one contact, at equidistant instants.
-    ///
-    /// # Errors
-    /// As [`time_histories`](Self::time_histories).
-    ///
-    /// # Panics
-    /// If there is no such contact.
-    pub fn time_history(
-        &mut self,
-        x: &[f64],
-        contacts: &[DofContact],
-        contact: usize,
-        samples: usize,
-        label: &str,
-    ) -> Result<TimeHistory, HbmError> {
-        let at = self.solve(x, 0.0)?;
-        Ok(self.operator.time_history(contacts, contact, at.omega, samples, label))
-    }
-
-    /// The same of each contact.
+    /// The same at equidistant instants.
     ///
     /// # Errors
     /// As [`time_histories`](Self::time_histories).

@@ -93,7 +93,7 @@ impl ComputedBranch {
         label: &str,
     ) -> Result<TimeHistory, BranchError> {
         let mut problem = periodic(&self.structure, &self.settings_at(point), &self.grazing)?;
-        Ok(problem.time_history(&self.unknowns[point], contact, samples, label)?)
+        Ok(problem.equidistant_histories(&self.unknowns[point], samples, label)?.swap_remove(contact))
     }
 
     /// This branch with `other`, which starts at the same point and goes the other way, before it: its points in

@@ -142,20 +142,6 @@ impl<'s> Periodic<'s> {
             Equations::Exact(_) => None,
         })
     }
-
-    /// Motion and force of a contact over a period.
-    pub fn time_history(
-        &mut self,
-        x: &[f64],
-        contact: usize,
-        samples: usize,
-        label: &str,
-    ) -> Result<TimeHistory, PeriodicError> {
-        Ok(match &mut self.equations {
-            Equations::Harmonics(problem) => problem.time_history(x, contact, samples, label)?,
-            Equations::Exact(problem) => problem.time_history(x, contact, samples, label)?,
-        })
-    }
 }
 
 impl ParametricSystem for Periodic<'_> {
