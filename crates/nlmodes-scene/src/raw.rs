@@ -98,6 +98,12 @@ impl RawAnalysis {
         self.response.as_ref().is_some_and(|responses| !responses.is_empty()) || self.has_laws()
     }
 
+    /// The same beside these stops.
+    pub fn beside<'a>(mut self, mut stops: impl Iterator<Item = &'a RawStopLaw>) -> Self {
+        self.has_law_stops = stops.any(|stop| stop.stiffness_hertz_n_m15.is_some());
+        self
+    }
+
     /// Whether there are springs or stops with a law of force.
     pub fn has_laws(&self) -> bool {
         self.has_law_stops || self.spring.as_ref().is_some_and(|springs| !springs.is_empty())
@@ -116,26 +122,6 @@ pub struct RawScene {
     /// Everything else
     #[serde(flatten)]
     pub analysis: RawAnalysis,
-}
-
-impl RawScene {
-    /// The same, which knows whether a stop has a law of force.
-    pub fn with_law_stops(mut self) -> Self {
-        self.analysis.has_law_stops = has_law_stops(self.contact.as_deref());
-        self
-    }
-}
-
-impl RawBodiesScene {
-    /// The same, which knows whether a stop has a law of force.
-    pub fn with_law_stops(mut self) -> Self {
-        self.analysis.has_law_stops = has_law_stops(self.contact.as_deref());
-        self
-    }
-}
-
-fn has_law_stops(contacts: Option<&[RawContact]>) -> bool {
-    contacts.unwrap_or_default().iter().any(|contact| contact.stiffness_hertz_n_m15.is_some())
 }
 
 /// A scene of nlmodes: several rods and beams, each under its own heading `[[structure]]`, with contacts between them
@@ -166,8 +152,24 @@ pub struct RawContact {
     /// Clearance at rest; at 0 the stop just touches, and a negative gap preloads it
     #[schemars(extend("unit" = "m"))]
     pub gap_m: f64,
-    /// Contact stiffness of the stop; without it the stop is rigid, or with method "hbm" has
-    /// `method.contact_stiffness_n_m`
+    /// How it yields and dissipates
+    #[serde(flatten)]
+    pub stop: RawStopLaw,
+    /// Coefficient of friction for the estimate of friction power in `contacts.csv`; the motion itself is computed
+    /// without friction
+    #[schemars(range(min = 0.0))]
+    pub friction_estimate: Option<f64>,
+    /// Number of the structure to which `at_m` belongs, if there are several; from 1 in the order of the file
+    #[schemars(range(min = 1, max = MAX_BODIES))]
+    pub structure: Option<u32>,
+    /// What is touched instead of a rigid stop: a node of another structure
+    pub against: Option<RawAgainst>,
+}
+
+/// How a stop yields and dissipates, whatever touches it.
+#[derive(Debug, Default, Deserialize, JsonSchema)]
+pub struct RawStopLaw {
+    /// Contact stiffness; without it the stop is rigid, or with method "hbm" has `method.contact_stiffness_n_m`
     #[schemars(extend("unit" = "N/m", "exclusiveMinimum" = 0.0))]
     pub stiffness_n_m: Option<f64>,
     /// Damper in parallel with that stiffness, for responses and damped modes; the stop only pushes, and contact ends
@@ -185,15 +187,6 @@ pub struct RawContact {
     /// times the approach velocity, and never pulls
     #[schemars(extend("unit" = "s/m", "minimum" = 0.0))]
     pub dissipation_s_m: Option<f64>,
-    /// Coefficient of friction for the estimate of friction power in `contacts.csv`; the motion itself is computed
-    /// without friction
-    #[schemars(range(min = 0.0))]
-    pub friction_estimate: Option<f64>,
-    /// Number of the structure to which `at_m` belongs, if there are several; from 1 in the order of the file
-    #[schemars(range(min = 1, max = MAX_BODIES))]
-    pub structure: Option<u32>,
-    /// What is touched instead of a rigid stop: a node of another structure
-    pub against: Option<RawAgainst>,
 }
 
 /// A node of another structure.

@@ -169,22 +169,34 @@ fn one_state(read: Read<'_, '_>) -> Result<SceneFile, SceneError> {
     let scene = if root.as_ref().is_some_and(|root| planned::is_of_matrices(root.get_ref())) {
         let raw: Option<raw::RawMatrixScene> =
             root.and_then(|root| tables(root, other, schema::of_matrices(), &mut diagnostics));
-        let raw = raw.map(raw::RawMatrixScene::with_law_stops);
+        let raw = raw.map(|raw| raw::RawMatrixScene {
+            analysis: raw.analysis.beside(raw.contact.iter().flatten().map(|contact| &contact.stop)),
+            ..raw
+        });
         raw.and_then(|raw| check::matrix_scene(&raw, &stem, &base(text.name), &mut diagnostics))
     } else if root.as_ref().is_some_and(|root| planned::is_of_reduced(root.get_ref())) {
         let raw: Option<raw::RawReducedScene> =
             root.and_then(|root| tables(root, other, schema::of_reduced(), &mut diagnostics));
-        let raw = raw.map(raw::RawReducedScene::with_law_stops);
+        let raw = raw.map(|raw| raw::RawReducedScene {
+            analysis: raw.analysis.beside(raw.contact.iter().flatten().map(|contact| &contact.stop)),
+            ..raw
+        });
         raw.and_then(|raw| check::reduced_scene(&raw, &stem, &base(text.name), &mut diagnostics))
     } else if root.as_ref().is_some_and(|root| planned::is_of_bodies(root.get_ref())) {
         let raw: Option<raw::RawBodiesScene> =
             root.and_then(|root| tables(root, other, schema::of_bodies(), &mut diagnostics));
-        let raw = raw.map(raw::RawBodiesScene::with_law_stops);
+        let raw = raw.map(|raw| raw::RawBodiesScene {
+            analysis: raw.analysis.beside(raw.contact.iter().flatten().map(|contact| &contact.stop)),
+            ..raw
+        });
         raw.and_then(|raw| check::bodies_scene(&raw, &stem, &base(text.name), &mut diagnostics))
     } else {
         let raw: Option<raw::RawScene> =
             root.and_then(|root| tables(root, other, schema::of_structure(), &mut diagnostics));
-        let raw = raw.map(raw::RawScene::with_law_stops);
+        let raw = raw.map(|raw| raw::RawScene {
+            analysis: raw.analysis.beside(raw.contact.iter().flatten().map(|contact| &contact.stop)),
+            ..raw
+        });
         raw.and_then(|raw| check::scene(&raw, &stem, &base(text.name), &mut diagnostics))
     };
     let mut file = finish(scene, diagnostics)?;

@@ -1,6 +1,6 @@
 mod hertz;
 
-pub use hertz::{check as check_laws, law, order as order_of_laws};
+pub use hertz::{check as check_laws, law, laws_apart};
 
 use nlmodes_fem::Mesh;
 
@@ -56,7 +56,7 @@ fn sound(i: usize, raw: &RawContact, bodies: &[Body<'_>], diagnostics: &mut Diag
         Some(other) => Some(facing(i, raw, other, body, bodies, diagnostics)?),
         None => None,
     };
-    let hertz = hertz::law(i, raw.into(), diagnostics);
+    let hertz = hertz::law(i, &raw.stop, raw.friction_estimate, diagnostics);
     let node = node?;
     free.then_some(Contact {
         hertz,
@@ -65,8 +65,8 @@ fn sound(i: usize, raw: &RawContact, bodies: &[Body<'_>], diagnostics: &mut Diag
         direction: raw.direction,
         side: raw.side,
         gap: raw.gap_m,
-        stiffness: raw.stiffness_n_m,
-        damping: raw.damping_n_s_m,
+        stiffness: raw.stop.stiffness_n_m,
+        damping: raw.stop.damping_n_s_m,
         friction_estimate: raw.friction_estimate,
         structure: body,
         against,

@@ -6,9 +6,9 @@ use nlmodes_io::{
     Address, ContactChoice, ContactNodes, FeFiles, Format, GapChoice, NodeChoice, NormalChoice, Partner, UnitSystem,
 };
 
-use super::contact::{law, order_of_laws};
+use super::contact::{law, laws_apart};
 use crate::raw::{NameOrNumbers, NumberOrName, RawMatrices, RawMatrixScene, RawNodeContact, RawNormal};
-use crate::scene::{Hertz, LawContact, Matrices};
+use crate::scene::Matrices;
 use crate::{Diagnostic, Diagnostics};
 
 /// The files and the contacts that are sound; paths count from `base`.
@@ -17,17 +17,9 @@ pub fn check(raw: &RawMatrixScene, base: &Path, diagnostics: &mut Diagnostics<'_
     let contacts = raw.contact.iter().flatten().enumerate();
     let contacts: Vec<Option<ContactChoice>> = contacts.map(|(i, raw)| contact(raw, i, base, diagnostics)).collect();
     let written = raw.contact.iter().flatten().enumerate();
-    let laws: Vec<Option<Hertz>> = written.map(|(i, raw)| law(i, raw.into(), diagnostics)).collect();
-    order_of_laws(&laws.iter().map(Option::is_some).collect::<Vec<_>>(), diagnostics);
+    let laws = written.map(|(i, raw)| law(i, &raw.stop, raw.friction_estimate, diagnostics)).collect();
     let units_are_assumed = raw.structure.units.is_none();
-    let all = contacts.into_iter().collect::<Option<Vec<_>>>()?;
-    let (mut contacts, mut law_contacts) = (Vec::new(), Vec::new());
-    for (contact, hertz) in all.into_iter().zip(laws) {
-        match hertz {
-            Some(hertz) => law_contacts.push(LawContact { contact, hertz }),
-            None => contacts.push(contact),
-        }
-    }
+    let (contacts, law_contacts) = laws_apart(contacts, laws, diagnostics)?;
     Some(Matrices { files: files?, contacts, law_contacts, units_are_assumed })
 }
 
@@ -71,7 +63,8 @@ fn contact(raw: &RawNodeContact, i: usize, base: &Path, diagnostics: &mut Diagno
     let normal = normal(raw, i, diagnostics);
     let gap = gap(raw, i, diagnostics);
     let sound = diagnostics.count() == before;
-    let (stiffness, damping, friction_estimate) = (raw.stiffness_n_m, raw.damping_n_s_m, raw.friction_estimate);
+    let (stiffness, damping, friction_estimate) =
+        (raw.stop.stiffness_n_m, raw.stop.damping_n_s_m, raw.friction_estimate);
     sound.then_some(ContactChoice { nodes: nodes?, partner, normal, gap, stiffness, damping, friction_estimate })
 }
 

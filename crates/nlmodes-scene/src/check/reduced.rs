@@ -4,10 +4,10 @@ use std::path::Path;
 
 use nlmodes_io::UnitSystem;
 
-use super::contact::{law, order_of_laws};
+use super::contact::{law, laws_apart};
 use super::matrices::parsed;
 use crate::raw::{RawReduced, RawReducedScene, RawRowContact};
-use crate::scene::{Flexibility, Hertz, LawContact, Numbers, Picture, ReducedModel, RowContact, Side};
+use crate::scene::{Flexibility, Numbers, Picture, ReducedModel, RowContact, Side};
 use crate::{Diagnostic, Diagnostics};
 
 /// What another program computed and the contacts, if all of it is sound; paths count from `base`.
@@ -18,15 +18,8 @@ pub fn check(raw: &RawReducedScene, base: &Path, diagnostics: &mut Diagnostics<'
     let written = raw.contact.as_deref().unwrap_or_default();
     let contacts = written.iter().enumerate().map(|(i, raw)| contact(raw, written, i, diagnostics));
     let all: Vec<Option<RowContact>> = contacts.collect();
-    let laws: Vec<Option<Hertz>> = written.iter().enumerate().map(|(i, raw)| law(i, raw.into(), diagnostics)).collect();
-    order_of_laws(&laws.iter().map(Option::is_some).collect::<Vec<_>>(), diagnostics);
-    let (mut row_contacts, mut law_contacts) = (Vec::new(), Vec::new());
-    for (contact, hertz) in all.into_iter().collect::<Option<Vec<_>>>()?.into_iter().zip(laws) {
-        match hertz {
-            Some(hertz) => law_contacts.push(LawContact { contact, hertz }),
-            None => row_contacts.push(contact),
-        }
-    }
+    let laws = written.iter().enumerate().map(|(i, raw)| law(i, &raw.stop, None, diagnostics)).collect();
+    let (row_contacts, law_contacts) = laws_apart(all, laws, diagnostics)?;
     Some(ReducedModel {
         frequencies_hz: within(base, &structure.frequencies_hz),
         contact_rows: within(base, &structure.contact_rows),
@@ -81,6 +74,6 @@ fn contact(
         return None;
     }
     let (row, side) = place(raw);
-    let (stiffness, damping) = (raw.stiffness_n_m, raw.damping_n_s_m);
+    let (stiffness, damping) = (raw.stop.stiffness_n_m, raw.stop.damping_n_s_m);
     Some(RowContact { row: row as usize, side, gap: raw.gap_m, stiffness, damping })
 }

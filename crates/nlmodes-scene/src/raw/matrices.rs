@@ -1,7 +1,7 @@
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 
-use super::RawAnalysis;
+use super::{RawAnalysis, RawStopLaw};
 use crate::scene::MatricesKind;
 
 /// A scene of nlmodes: a structure from the files of a finite-element program, its contacts, and how its nonlinear mode
@@ -75,15 +75,6 @@ pub enum RawNormal {
     Word(String),
 }
 
-impl RawMatrixScene {
-    /// The same, which knows whether a stop has a law of force.
-    pub fn with_law_stops(mut self) -> Self {
-        let contacts = self.contact.as_deref().unwrap_or_default();
-        self.analysis.has_law_stops = contacts.iter().any(|contact| contact.stiffness_hertz_n_m15.is_some());
-        self
-    }
-}
-
 /// A contact of a node, of each node of a set, or of pairs of nodes.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[schemars(extend("required" = [], "oneRequired" = ["node", "nodes", "pairs"]))]
@@ -114,23 +105,9 @@ pub struct RawNodeContact {
     /// A point of the wall, which is a plane normal to `normal`: each node has its own clearance
     #[schemars(extend("unit" = "m"))]
     pub wall_point_m: Option<[f64; 3]>,
-    /// Contact stiffness of each; left out, they are rigid
-    #[schemars(extend("unit" = "N/m", "exclusiveMinimum" = 0.0))]
-    pub stiffness_n_m: Option<f64>,
-    /// Damper of each beside its stiffness, for responses and damped modes; conservative modes leave it out
-    #[schemars(extend("unit" = "N s/m", "exclusiveMinimum" = 0.0))]
-    pub damping_n_s_m: Option<f64>,
-    /// Stiffness of a stop whose force is this times a power of the approach, as that of a ball on a plate after Hertz,
-    /// in N over that power of a metre; it stands behind the stops that have none
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
-    pub stiffness_hertz_n_m15: Option<f64>,
-    /// Exponent of the approach; default 1.5
-    #[schemars(range(min = 1.0, max = 20.0))]
-    pub exponent: Option<f64>,
-    /// Dissipation after Hunt and Crossley, for responses and damped modes: the force is multiplied by one plus this
-    /// times the approach velocity, and never pulls
-    #[schemars(extend("unit" = "s/m", "minimum" = 0.0))]
-    pub dissipation_s_m: Option<f64>,
+    /// How each yields and dissipates
+    #[serde(flatten)]
+    pub stop: RawStopLaw,
     /// Coefficient of friction for the estimate of friction power in `contacts.csv`; the motion itself is computed
     /// without friction
     #[schemars(range(min = 0.0))]

@@ -1,7 +1,7 @@
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 
-use super::RawAnalysis;
+use super::{RawAnalysis, RawStopLaw};
 use crate::scene::{Numbers, ReducedKind, Side};
 
 /// Most rows of a structure that was reduced elsewhere.
@@ -19,15 +19,6 @@ pub struct RawReducedScene {
     /// Everything else
     #[serde(flatten)]
     pub analysis: RawAnalysis,
-}
-
-impl RawReducedScene {
-    /// The same, which knows whether a stop has a law of force.
-    pub fn with_law_stops(mut self) -> Self {
-        let contacts = self.contact.as_deref().unwrap_or_default();
-        self.analysis.has_law_stops = contacts.iter().any(|contact| contact.stiffness_hertz_n_m15.is_some());
-        self
-    }
 }
 
 /// Modes and flexibility of a structure.
@@ -95,23 +86,9 @@ pub struct RawRowContact {
     /// Clearance at rest; at 0 the stop just touches, and a negative gap preloads it
     #[schemars(extend("unit" = "m"))]
     pub gap_m: f64,
-    /// Contact stiffness; left out, the stop is rigid
-    #[schemars(extend("unit" = "N/m", "exclusiveMinimum" = 0.0))]
-    pub stiffness_n_m: Option<f64>,
-    /// Damper beside its stiffness, for responses and damped modes; conservative modes leave it out
-    #[schemars(extend("unit" = "N s/m", "exclusiveMinimum" = 0.0))]
-    pub damping_n_s_m: Option<f64>,
-    /// Stiffness of a stop whose force is this times a power of the approach, as that of a ball on a plate after Hertz,
-    /// in N over that power of a metre; it stands behind the stops that have none
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
-    pub stiffness_hertz_n_m15: Option<f64>,
-    /// Exponent of the approach; default 1.5
-    #[schemars(range(min = 1.0, max = 20.0))]
-    pub exponent: Option<f64>,
-    /// Dissipation after Hunt and Crossley, for responses and damped modes: the force is multiplied by one plus this
-    /// times the approach velocity, and never pulls
-    #[schemars(extend("unit" = "s/m", "minimum" = 0.0))]
-    pub dissipation_s_m: Option<f64>,
+    /// How it yields and dissipates
+    #[serde(flatten)]
+    pub stop: RawStopLaw,
 }
 
 fn frequencies(_: &mut SchemaGenerator) -> Schema {

@@ -1,67 +1,18 @@
 //! Stops whose force is a power of the approach.
 
-use crate::raw::{RawAnalysis, RawContact, RawNodeContact, RawRowContact};
-use crate::scene::{Contact, Hertz, StopOfBase};
+use crate::raw::{RawAnalysis, RawStopLaw};
+use crate::scene::{Contact, Hertz, LawContact, StopOfBase};
 use crate::{Diagnostic, Diagnostics};
 
 /// Exponent of the contact of two round bodies.
 const ROUND: f64 = 1.5;
 
-/// What a table of contacts says of a law of force, and of what goes without one.
-#[derive(Debug, Clone, Copy)]
-pub struct Keys {
-    stiffness_hertz: Option<f64>,
-    exponent: Option<f64>,
-    dissipation: Option<f64>,
-    stiffness: Option<f64>,
-    damping: Option<f64>,
-    friction: Option<f64>,
-}
-
-impl From<&RawContact> for Keys {
-    fn from(raw: &RawContact) -> Self {
-        Self {
-            stiffness_hertz: raw.stiffness_hertz_n_m15,
-            exponent: raw.exponent,
-            dissipation: raw.dissipation_s_m,
-            stiffness: raw.stiffness_n_m,
-            damping: raw.damping_n_s_m,
-            friction: raw.friction_estimate,
-        }
-    }
-}
-
-impl From<&RawNodeContact> for Keys {
-    fn from(raw: &RawNodeContact) -> Self {
-        Self {
-            stiffness_hertz: raw.stiffness_hertz_n_m15,
-            exponent: raw.exponent,
-            dissipation: raw.dissipation_s_m,
-            stiffness: raw.stiffness_n_m,
-            damping: raw.damping_n_s_m,
-            friction: raw.friction_estimate,
-        }
-    }
-}
-
-impl From<&RawRowContact> for Keys {
-    fn from(raw: &RawRowContact) -> Self {
-        Self {
-            stiffness_hertz: raw.stiffness_hertz_n_m15,
-            exponent: raw.exponent,
-            dissipation: raw.dissipation_s_m,
-            stiffness: raw.stiffness_n_m,
-            damping: raw.damping_n_s_m,
-            friction: None,
-        }
-    }
-}
-
-/// The law of stop `i`, if it has one.
-pub fn law(i: usize, keys: Keys, diagnostics: &mut Diagnostics<'_>) -> Option<Hertz> {
+/// The law of stop `i`, if it has one; `friction` is the coefficient beside it.
+pub fn law(i: usize, stop: &RawStopLaw, friction: Option<f64>, diagnostics: &mut Diagnostics<'_>) -> Option<Hertz> {
     let path = |key: &str| format!("contact.{i}.{key}");
-    let Some(stiffness) = keys.stiffness_hertz else {
-        for (key, _) in [("exponent", keys.exponent), ("dissipation_s_m", keys.dissipation)].iter().filter(is_there) {
+    let Some(stiffness) = stop.stiffness_hertz_n_m15 else {
+        for (key, _) in [("exponent", stop.exponent), ("dissipation_s_m", stop.dissipation_s_m)].iter().filter(is_there)
+        {
             let diagnostic = Diagnostic::error(format!("`{}` belongs to a stop with a law of force", path(key)));
             let label = "expected `stiffness_hertz_n_m15` in this table too";
             diagnostics.put(&path(key), diagnostic, label);
@@ -69,15 +20,15 @@ pub fn law(i: usize, keys: Keys, diagnostics: &mut Diagnostics<'_>) -> Option<He
         return None;
     };
     let others = [
-        ("stiffness_n_m", keys.stiffness, "a stop has one law: this one or `stiffness_hertz_n_m15`"),
-        ("damping_n_s_m", keys.damping, "`dissipation_s_m` is what such a stop dissipates by"),
-        ("friction_estimate", keys.friction, "the power of friction is estimated at linear stops alone"),
+        ("stiffness_n_m", stop.stiffness_n_m, "a stop has one law: this one or `stiffness_hertz_n_m15`"),
+        ("damping_n_s_m", stop.damping_n_s_m, "`dissipation_s_m` is what such a stop dissipates by"),
+        ("friction_estimate", friction, "the power of friction is estimated at linear stops alone"),
     ];
     for (key, _, help) in others.iter().filter(|(_, value, _)| value.is_some()) {
         let diagnostic = Diagnostic::error(format!("`{}` beside `stiffness_hertz_n_m15`", path(key)));
         diagnostics.put(&path(key), diagnostic.help(*help), "expected one of the two in this table");
     }
-    let (exponent, dissipation) = (keys.exponent.unwrap_or(ROUND), keys.dissipation.unwrap_or(0.0));
+    let (exponent, dissipation) = (stop.exponent.unwrap_or(ROUND), stop.dissipation_s_m.unwrap_or(0.0));
     Some(Hertz { stiffness, exponent, dissipation })
 }
 
@@ -106,8 +57,25 @@ pub fn check(raw: &RawAnalysis, is_open: bool, contacts: &[Contact], diagnostics
     }
 }
 
+/// The contacts, those with a law of force apart, which follow the others; none where one of them is not sound.
+pub fn laws_apart<C>(
+    contacts: Vec<Option<C>>,
+    laws: Vec<Option<Hertz>>,
+    diagnostics: &mut Diagnostics<'_>,
+) -> Option<(Vec<C>, Vec<LawContact<C>>)> {
+    order(&laws.iter().map(Option::is_some).collect::<Vec<_>>(), diagnostics);
+    let (mut linear, mut with_law) = (Vec::new(), Vec::new());
+    for (contact, hertz) in contacts.into_iter().collect::<Option<Vec<_>>>()?.into_iter().zip(laws) {
+        match hertz {
+            Some(hertz) => with_law.push(LawContact { contact, hertz }),
+            None => linear.push(contact),
+        }
+    }
+    Some((linear, with_law))
+}
+
 /// Stops with a law of force follow the others.
-pub fn order(laws: &[bool], diagnostics: &mut Diagnostics<'_>) {
+fn order(laws: &[bool], diagnostics: &mut Diagnostics<'_>) {
     let Some(first) = laws.iter().position(|is_law| *is_law) else { return };
     if let Some(other) = (first..laws.len()).find(|i| !laws[*i]) {
         let path = format!("contact.{first}.stiffness_hertz_n_m15");
