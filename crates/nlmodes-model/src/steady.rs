@@ -17,12 +17,6 @@ pub struct SteadyForce {
 }
 
 impl SteadyForce {
-    /// `Rᵀ f`, k: what the force does on each motion.
-    pub fn on_motions(&self) -> Vec<f64> {
-        let of = |r: usize| (0..self.force.len()).map(|i| self.motions[(i, r)] * self.force[i]).sum();
-        (0..self.motions.ncols()).map(of).collect()
-    }
-
     /// That of these degrees of freedom alone.
     #[must_use]
     pub fn at(&self, dofs: &[usize]) -> Self {

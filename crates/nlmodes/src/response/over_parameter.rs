@@ -25,7 +25,7 @@ use nlmodes_modal::{BranchEnd, Event, ModalPoint};
 
 use crate::response::analyses::{WINDOW, scales};
 use crate::response::curve::curve_end;
-use crate::response::follow::{CONVERGED, amplitude};
+use crate::response::follow::amplitude;
 use crate::response::{ResponseError, ResponseModel, ResponsePoint, ResponseSettings};
 
 /// A structure with its load at a value of a parameter, and what the parameter does to it there.
@@ -296,11 +296,6 @@ impl ParameterPoint {
     /// Largest contact force of all contacts, N.
     pub fn peak_force(&self) -> f64 {
         max_norm(self.motion.contacts.iter().map(|contact| contact.peak_force))
-    }
-
-    /// Whether it is a solution.
-    pub fn is_solved(&self) -> bool {
-        self.residual <= CONVERGED
     }
 
     /// As an event in tables: the curve turns.

@@ -62,16 +62,6 @@ impl ResponseModel {
         q
     }
 
-    /// What the load of a motion moves statically at a degree of freedom beyond the modes, harmonic by harmonic, m.
-    ///
-    /// # Panics
-    /// If there is no such degree of freedom.
-    pub fn load_displacement(&self, dof: usize, motion: &PeriodicMotion, subharmonic: usize) -> Vec<Complex64> {
-        let mut q = vec![Complex64::default(); motion.eta.len()];
-        self.add_load(self.residuals().map(|residual| residual[dof]), motion, subharmonic, &mut q);
-        q
-    }
-
     /// What each term of the load moves beyond the modes at its level one, m: of each term the share that goes with the
     /// cosine of its harmonic, and that which goes with the negative sine.
     pub fn load_shapes(&self) -> Vec<Vec<f64>> {

@@ -37,11 +37,6 @@ impl TableLaw {
         Ok(table)
     }
 
-    /// Whether it is a table of the velocity.
-    pub fn is_of_velocity(&self) -> bool {
-        self.of_velocity
-    }
-
     /// The piece that holds `x`, by its left node; `None` outside of the table.
     fn piece(&self, x: f64) -> Option<usize> {
         let last = self.x.len() - 1;
