@@ -91,9 +91,14 @@ impl<'s> MixedShooting<'s> {
         (grazing.unknowns(&self.system), grazing.direction(&self.system))
     }
 
-    /// The coefficients of the structure at rest about which the mode of `grazing` vibrates.
-    pub fn coefficients_at_rest(&self, grazing: &Grazing) -> Vec<f64> {
-        self.system.coefficients_at_rest(&grazing.mean)
+    /// The equations.
+    pub fn system(&self) -> &PeriodicSystem {
+        &self.system
+    }
+
+    /// The equations alone.
+    pub fn into_system(self) -> PeriodicSystem {
+        self.system
     }
 
     /// The structure.

@@ -1,8 +1,7 @@
-use nlmodes_contact::LcpSolver;
 use nlmodes_continuation::{Linearization, ParametricSystem, Scaling};
 
 use crate::periodic::PeriodicSystem;
-use crate::{CondensedStructure, Grazing, HbmError, MixedShootingSettings, Scales};
+use crate::{Grazing, HbmError};
 
 /// The way to motions before contacts that touch at rest, from the linear mode before contacts that are set back.
 ///
@@ -12,27 +11,19 @@ use crate::{CondensedStructure, Grazing, HbmError, MixedShootingSettings, Scales
 ///
 /// At a given energy a gap, made smaller, is an energy that grows at a given gap, without end: the solution with the
 /// gap zero is where the backbone of any gap leads. `o` is the opening ([`Grazing::opening`](crate::Grazing::opening)),
-/// the parameter is `s`, the unknowns are those of [`MixedShooting`](crate::MixedShooting), and the energy is kept at
-/// that of the scales. The square keeps stops that face each other apart where a step passes zero. At `s = 1`,
-/// [`start`](Self::start) is a solution; at `s = 0` a solution is one of the [`MixedShooting`](crate::MixedShooting)
-/// itself at `p = 0`.
+/// the parameter is `s`, the unknowns are those of the problem, whose own parameter is zero. The square keeps stops
+/// that face each other apart where a step passes zero. At `s = 1`, [`start`](Self::start) is a solution of a
+/// conservative mode; at `s = 0` a solution is one of the problem itself.
 pub struct ShrinkingGaps {
     system: PeriodicSystem,
 }
 
 impl ShrinkingGaps {
-    /// The problem of these settings with each contact standing back by `s²` of `opening`, m, c.
+    /// This problem with each contact standing back by `s²` of `opening`, m, c.
     ///
     /// # Errors
-    /// As [`MixedShooting::new`](crate::MixedShooting::new), [`HbmError::Size`] and [`HbmError::NotFinite`].
-    pub fn new(
-        structure: &CondensedStructure,
-        settings: MixedShootingSettings,
-        scales: Scales,
-        opening: &[f64],
-        solver: &dyn LcpSolver,
-    ) -> Result<Self, HbmError> {
-        let system = structure.conservative_mode(settings, scales, solver)?;
+    /// [`HbmError::Size`] and [`HbmError::NotFinite`].
+    pub fn new(system: PeriodicSystem, opening: &[f64]) -> Result<Self, HbmError> {
         Ok(Self { system: system.beside_opening(opening.to_vec())? })
     }
 

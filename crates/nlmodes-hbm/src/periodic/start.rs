@@ -254,6 +254,11 @@ impl Grazing {
         self.opening.iter().any(|by| *by > 0.0)
     }
 
+    /// The coefficients of the structure at rest about which the mode vibrates.
+    pub fn coefficients_at_rest(&self, system: &PeriodicSystem) -> Vec<f64> {
+        system.coefficients_at_rest(&self.mean)
+    }
+
     /// Unknowns of a conservative or damped mode at grazing, where the parameter is zero. They are exact where damping
     /// couples no modes, else a guess.
     pub fn unknowns(&self, system: &PeriodicSystem) -> Vec<f64> {

@@ -11,7 +11,7 @@ use thiserror::Error;
 /// What may be spent on the way to a solution. A search for the half-branches of a corner on it, among a hundred
 /// unknowns, may take a hundred thousand evaluations: there are other ways.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Effort {
+pub(crate) struct Effort {
     points: usize,
     /// For each of them, so that a way that is gone on with after an interruption is the same.
     evaluations: usize,
@@ -104,7 +104,7 @@ impl<S: ParametricSystem> ParametricSystem for Homotopy<'_, S> {
 
 /// The solution to which the guess `z` deforms as its residual is taken away, with this coordinate kept; `None` if that
 /// leads nowhere or takes more than it may.
-pub(super) fn solve<S: ParametricSystem>(
+pub(crate) fn solve<S: ParametricSystem>(
     system: &mut S,
     z: &[f64],
     coordinate: usize,

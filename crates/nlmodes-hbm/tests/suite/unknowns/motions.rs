@@ -115,7 +115,7 @@ fn a_refined_solution_balances_its_power_and_stays_along_the_border() {
         let found = system.refine(&disturbed, 1.0, &held);
         assert!(found.p == 1.0 && found.residual < 1e-13, "{} {:e}", found.p, found.residual);
         found.x.iter().zip(&solution).for_each(|(a, b)| assert!((a - b).abs() < 1e-11, "{a} {b}"));
-        let motion = system.refined_motion(&found).unwrap();
+        let motion = system.motion(&found.x, found.p).unwrap();
         assert!(motion.contacts[0].closed_share > 0.05, "{}", motion.contacts[0].closed_share);
         assert!((motion.input_power / motion.dissipated_power - 1.0).abs() < 1e-11, "{}", motion.input_power);
         let slanted: Vec<f64> = (0..=n).map(|i| if i == n { 1.0 } else { 0.3 * (0.9 * i as f64).cos() }).collect();
@@ -169,9 +169,8 @@ fn the_way_to_contacts_that_touch_at_rest_is_smooth_and_begins_and_ends_as_it_is
             x[size..].iter_mut().zip([1.06, 0.02]).for_each(|(x, given)| *x = given);
             let mut at = Linearization::new(n);
             {
-                let (scales, solver) = (start.scales(), solver());
-                let mut way =
-                    ShrinkingGaps::new(&structure, settings, scales, &start.opening, solver.as_ref()).unwrap();
+                let own = MixedShooting::new(&structure, settings, start.scales(), solver().as_ref()).unwrap();
+                let mut way = ShrinkingGaps::new(own.into_system(), &start.opening).unwrap();
                 for s in [0.9, 0.3] {
                     let defect = jacobian_defect(&mut way, &x, s, 1e-6).unwrap();
                     assert!(defect < 1e-6, "{symmetry:?} {s}: {defect:e}");

@@ -2,10 +2,11 @@ use nlmodes_contact::{LcpSolver, solver_by_name};
 use nlmodes_continuation::{Bound, ParametricSystem};
 use nlmodes_hbm::{Grazing, HbmError, PeriodicSystem, Symmetry};
 
-use super::touching::{as_gaps_close, growing};
+use super::touching::as_gaps_close;
 use crate::response::follow::{Curve, newton};
 use crate::response::linear::unknowns_at_rest;
 use crate::response::{ResponseCurve, ResponseError, ResponseModel, ResponseSettings};
+use crate::touching::growing;
 
 /// The damped nonlinear mode `settings.mode` from grazing to `energy_ratio` times the energy there, or to an end of the
 /// window. Before contacts that touch at rest without force nothing is linear: it then begins with half the amplitude

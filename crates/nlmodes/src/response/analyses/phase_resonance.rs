@@ -5,10 +5,11 @@ use nlmodes_model::reduction::RestState;
 use num_complex::Complex64;
 
 use super::forced::{APART, scales, touch};
-use super::touching::{as_gaps_close, growing};
+use super::touching::as_gaps_close;
 use crate::response::follow::Curve;
 use crate::response::linear::{linear_motion, unknowns_at_rest};
 use crate::response::{ResponseCurve, ResponseError, ResponseModel, ResponseSettings};
+use crate::touching::growing;
 
 /// Motions whose drive point lags the load by `settings.lag`, from half the level that first touches to the largest
 /// level `to`: what a phase-locked loop follows. The curve starts at the linear phase resonance next to mode
