@@ -11,7 +11,7 @@ mod events;
 mod found;
 mod guide;
 mod histories;
-mod homotopy;
+pub(crate) mod homotopy;
 mod left;
 mod participation;
 mod periodic;
@@ -45,4 +45,7 @@ pub use nlmodes_continuation::{Ended, Watch};
 pub use periodic::PeriodicError;
 pub use points::{figure_points, reference_points, way_points};
 pub use refuse::check_branch;
-pub use settings::{BranchMethod, BranchPointRule, BranchSettings, BranchStart, ResonanceRule, StabilityRule};
+pub use settings::{
+    BesideSettings, BranchMethod, BranchPointRule, BranchSettings, BranchStart, GrowthSettings, HeldModesSettings,
+    ResonanceRule, SkipSettings, StabilityRule,
+};

@@ -54,9 +54,11 @@
 //! modal analysis of nonsmooth systems*, Mechanical Systems and Signal Processing 120 (2019) 793-807.
 
 pub mod branches;
+mod finer;
 pub mod least_squares;
 pub mod response;
 pub mod rig;
+mod touching;
 pub mod updating;
 pub mod virtual_test;
 

@@ -72,11 +72,13 @@ pub use analyses::{
 pub use base_motion::{BaseMotion, BaseUnit};
 pub use nlmodes_modal::{BranchEnd, EndReason, Event, Stability};
 
+pub use crate::finer::FinerSettings;
 pub use curve::{ResponseCurve, ResponsePoint, curve_end, energy_bound, frequency_bound};
 pub use damping::{Damping, Dashpot};
 pub use error::ResponseError;
 pub use exact::{exact_structure, push_laws};
-pub use finer::{FinerPoint, FinerSettings};
+pub use finer::FinerPoint;
+pub(crate) use follow::newton;
 pub use history::{ContactPattern, ContactState};
 pub use model::{HeldByLaws, ResponseModel, Weights};
 pub use over_parameter::{AtValue, Family, OverParameter, ParameterCurve, ParameterPoint};

@@ -1,12 +1,10 @@
 //! A few points solved again with twice as many harmonics, and with twice as many held modes.
 
-use std::collections::HashSet;
-use std::time::{Duration, Instant};
-
-use nlmodes::branches::{BranchError, ComputedBranch};
+use nlmodes::branches::{BranchError, ComputedBranch, Ended};
 use nlmodes::hbm::CondensedStructure;
 use nlmodes::modal::ModalPoint;
 use nlmodes::model::reduction::OpenModes;
+use nlmodes::response::FinerSettings;
 use nlmodes_scene::counted;
 use nlmodes_scene::scene::Scene;
 
@@ -22,12 +20,11 @@ const FLOOR: f64 = 1e-2;
 /// Most points that are solved again by `--certify`, and the largest number of unknowns of which so many are.
 const MANY: usize = 48;
 const SMALL: usize = 500;
-/// Time in which points are solved again without `--certify`, over that of the branch, and the least of it.
-const SHARE_OF_BRANCH: f64 = 10.0;
-const LEAST_TIME: Duration = Duration::from_millis(500);
-/// Points that suffice then, and in how many parts the branch is divided for others than the first ones.
-const ENOUGH: usize = 3;
-const OTHERS: usize = 8;
+
+/// How points are solved again without `--certify`: few suffice, which may take longer than the branch.
+fn quick() -> FinerSettings {
+    FinerSettings { enough: 3, tries: 10, share_of_curve: 10.0, ..FinerSettings::default() }
+}
 
 /// Evenly chosen points beside these few, where solving them again costs next to nothing.
 fn many(computed: &ComputedBranch, few: &[usize]) -> Vec<usize> {
@@ -43,15 +40,6 @@ fn many(computed: &ComputedBranch, few: &[usize]) -> Vec<usize> {
     points
 }
 
-/// These points, and others between them for those from which no motion with more harmonics is found.
-fn candidates(few: &[usize], all: usize) -> Vec<usize> {
-    let between = (1..OTHERS).map(|k| k * all.saturating_sub(1) / OTHERS).filter(|k| !few.contains(k));
-    let mut points: Vec<usize> = few.iter().copied().chain(between).collect();
-    let mut known = HashSet::new();
-    points.retain(|k| known.insert(*k));
-    points
-}
-
 /// What twice as many harmonics change: where an accuracy was asked for, of the frequency by its estimates at all
 /// points.
 pub fn harmonics(computed: &ComputedBranch, few: &[usize], sources: Sources<'_>, look: Looking<'_>) -> Vec<Check> {
@@ -61,7 +49,11 @@ pub fn harmonics(computed: &ComputedBranch, few: &[usize], sources: Sources<'_>,
         return Number::ALL.map(|n| Check::estimate(HARMONICS, (n, source.clone()), 0.0, words)).to_vec();
     }
     let all = computed.branch.points.len();
-    let points = if sources.thorough { many(computed, few) } else { candidates(few, all) };
+    let points = if sources.thorough {
+        many(computed, few)
+    } else {
+        quick().order(few.iter().copied(), &(0..all).collect::<Vec<_>>())
+    };
     let words = |n: usize, lost: &str| match n {
         n if n >= all => format!("with twice as many harmonics at the same energy, all {all} points{lost}"),
         n => format!(
@@ -200,23 +192,22 @@ fn again(
     let missing = |why: &str, how| Number::ALL.map(|number| Check::missing(name, Some(number), why, how)).to_vec();
     let mut compared = Compared::default();
     let of = &computed.branch.points;
-    let (began, budget) = (Instant::now(), LEAST_TIME.max(sources.points_time.mul_f64(SHARE_OF_BRANCH)));
-    for (number, &k) in points.iter().enumerate() {
-        let is_enough = compared.found() >= ENOUGH || began.elapsed() > budget;
-        if number > 0 && !sources.thorough && is_enough {
-            break;
-        }
-        if sources.thorough && !look(name, k, [number + 1, points.len()]) {
-            return missing(BROKEN_OFF, CERTIFY);
-        }
-        let found = solve(k);
-        if sources.watch.asks_to_end() {
-            return missing(BROKEN_OFF, CERTIFY);
-        }
-        match found {
-            Ok(after) => compared.take(Place::of(k, &of[k]), after.map(|after| changes(of, &of[k], &after))),
-            Err(error) => return missing(&error.to_string(), how),
-        }
+    let found = if sources.thorough {
+        let each = points.iter().enumerate().map(|(number, &k)| match look(name, k, [number + 1, points.len()]) {
+            true => solve(k).map(|found| (k, found)),
+            false => Err(Ended.into()),
+        });
+        each.collect::<Result<Vec<_>, _>>()
+    } else {
+        quick().each(points, (sources.points_time, sources.watch), solve)
+    };
+    match found {
+        _ if sources.watch.asks_to_end() => return missing(BROKEN_OFF, CERTIFY),
+        Err(BranchError::Ended(_)) => return missing(BROKEN_OFF, CERTIFY),
+        Err(error) => return missing(&error.to_string(), how),
+        Ok(found) => found.into_iter().for_each(|(k, after)| {
+            compared.take(Place::of(k, &of[k]), after.map(|after| changes(of, &of[k], &after)));
+        }),
     }
     compared.checks((name, how, source), words)
 }

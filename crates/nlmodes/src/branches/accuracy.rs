@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use nlmodes_hbm::CondensedStructure;
 use nlmodes_model::MasslessContactModel;
 
-use super::{BranchError, BranchSettings};
+use super::{BranchError, BranchSettings, GrowthSettings};
 
 /// An accuracy that is asked for, by which harmonics are chosen along the branch, and held modes before it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,22 +33,10 @@ pub struct AccuracyReached {
     pub harmonics: [usize; 2],
 }
 
-/// Share of the permitted error that the harmonics may cause; the rest is for the held modes.
-pub(super) const OF_HARMONICS: f64 = 0.7;
-
-/// Share of the permitted error at which a new number of harmonics aims.
-pub(super) const AIM: f64 = 0.25;
-
-/// Order of convergence by which a new number of harmonics is chosen; see `benchmarks/results/accuracy.md`.
-pub(super) const ORDER: f64 = 5.0;
-
-/// Harmonics and error of the two-element rod, from which the first number is extrapolated.
-const KNOWN: (f64, f64) = (5.0, 5.6e-6);
-
 /// The number of harmonics with which a branch begins.
-pub(super) fn first_harmonics(accuracy: Accuracy, fewest: usize) -> usize {
-    let (harmonics, error) = KNOWN;
-    let guess = harmonics * (error / (AIM * accuracy.error)).powf(1.0 / ORDER);
+pub(super) fn first_harmonics(accuracy: Accuracy, growth: &GrowthSettings, fewest: usize) -> usize {
+    let (harmonics, error) = growth.known;
+    let guess = harmonics * (error / (growth.aim * accuracy.error)).powf(1.0 / growth.order);
     (guess.ceil() as usize).clamp(fewest, accuracy.max_harmonics.max(fewest))
 }
 
@@ -73,7 +61,7 @@ pub(super) fn condense(
         let start = super::prepare::linear_start(&structure, settings)?;
         let omega = settings.frequency_hz.map_or(1.2 * start.omega, |w| (w[1] * TAU).min(1.5 * start.omega));
         let error = structure.held_modes_error(&start, omega, settings.harmonics);
-        if error <= (1.0 - OF_HARMONICS) * accuracy.error {
+        if error <= (1.0 - settings.growth.share) * accuracy.error {
             return Ok(structure);
         }
         count += count.div_ceil(3);

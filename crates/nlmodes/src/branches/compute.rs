@@ -74,7 +74,7 @@ pub fn compute_tree_with_log(
 ) -> Result<ComputedTree, BranchError> {
     let (mut settings, fewest, mut at_least) = (settings.clone(), settings.harmonics, 0);
     if let Some(accuracy) = settings.accuracy {
-        settings.harmonics = first_harmonics(accuracy, fewest);
+        settings.harmonics = first_harmonics(accuracy, &settings.growth, fewest);
     }
     let mut log = WatchedLog { log, watch: settings.watch.clone() };
     loop {

@@ -19,15 +19,6 @@ const MIN_ENERGY_RATIO: f64 = 1e-3;
 /// Largest unknown, over the length of the contact's amplitude at grazing, beyond which steps grow with the motion.
 const FAR: f64 = 10.0;
 
-/// Of so many modes of a beam at least one moves a contact: the others are held apart by its direction.
-const HIDDEN_MODES: usize = 3;
-
-/// Up to this size all modes of the held structure are used.
-const ALL_HELD_MODES: usize = 400;
-
-/// No more are computed at first where not all are: how far they reach tells how many it takes.
-const MOST_HELD_MODES_AT_FIRST: usize = 64;
-
 /// What is done before a branch begins.
 const LINEAR_MODES: &str = "computing linear modes";
 
@@ -45,11 +36,11 @@ pub(super) fn condense(
     if let Some(count) = settings.held_modes {
         return Ok(CondensedStructure::new(model, count)?);
     }
-    if size <= ALL_HELD_MODES {
+    if size <= settings.held.all_up_to {
         return Ok(CondensedStructure::new(model, size)?);
     }
     // Stiffness and mass of what is left out are kept, which leaves an error of about (ν/ω_last)⁴ of the modes beyond.
-    let mut count = (32 + 8 * settings.harmonics).min(MOST_HELD_MODES_AT_FIRST);
+    let mut count = (32 + 8 * settings.harmonics).min(settings.held.most_at_first);
     loop {
         settings.watch.begins(LINEAR_MODES)?;
         let structure = CondensedStructure::new(model.clone(), count.min(size))?;
@@ -120,7 +111,7 @@ pub(super) fn exact(
 /// The held modes to be computed: those asked for, or all.
 pub(super) fn shooting_modes(model: &MasslessContactModel, settings: &BranchSettings) -> Result<usize, BranchError> {
     let count = settings.held_modes.unwrap_or_else(|| model.linear_dofs().len());
-    if count > HIDDEN_MODES * MAX_SHOOTING_MODES {
+    if count > settings.held.hidden * MAX_SHOOTING_MODES {
         return Err(TimestepError::TooManyModes { found: count, most: MAX_SHOOTING_MODES }.into());
     }
     Ok(count)

@@ -1,6 +1,7 @@
 //! Points of a branch solved again with more harmonics or more modes: what the numbers change by.
 
-use nlmodes_hbm::{CondensedStructure, RealSeries};
+use nlmodes_continuation::RunLog;
+use nlmodes_hbm::{CondensedStructure, Grazing, RealSeries};
 use nlmodes_modal::ModalPoint;
 
 use super::homotopy::{self, Effort};
@@ -8,11 +9,7 @@ use super::periodic::Periodic;
 use super::prepare::periodic;
 use super::start::one_point;
 use super::{BranchError, BranchSettings, ComputedBranch};
-
-/// Numbers of harmonics tried one after the other where the step to the last is too far.
-const STEPS: usize = 5;
-/// Relative distance up to which two solutions of the same equations are one.
-const SAME: f64 = 1e-5;
+use crate::response::FinerSettings;
 
 impl ComputedBranch {
     /// The motion of the averaged kinetic energy of point `point` with `harmonics` harmonics and the held modes of
@@ -36,14 +33,8 @@ impl ComputedBranch {
         if self.is_exact() {
             return Err(BranchError::NotHarmonic);
         }
-        if let Some(found) = self.over(point, &[harmonics], structure)? {
-            return Ok(Some(found));
-        }
         let own = self.settings_at(point).harmonics;
-        let mut steps: Vec<usize> =
-            (1..=STEPS).map(|k| own + (harmonics.saturating_sub(own) * k).div_ceil(STEPS)).collect();
-        steps.dedup();
-        if steps.last() == Some(&harmonics) && steps.len() > 1 { self.over(point, &steps, structure) } else { Ok(None) }
+        FinerSettings::default().reach([own, harmonics], |steps| self.over(point, steps, structure))
     }
 
     /// From a point over these numbers of harmonics, at its energy.
@@ -60,15 +51,15 @@ impl ComputedBranch {
             let settings = BranchSettings { harmonics, ..own.clone() };
             let mut problem = periodic(structure, &settings, &self.grazing)?;
             let Some(finer) = problem.harmonics() else { return Err(BranchError::NotHarmonic) };
-            let guess = finer.resized(&x, series);
-            let along = self.along(point).map(|along| finer.resized(&along, of_branch));
+            let guess = finer.resized(&with(&x, self.energy_of(point)), series);
+            let along = self.along(point).map(|along| finer.resized(&with(&along, 0.0), of_branch));
             series = finer.series();
-            let corrected = self.at_energy(point, &settings, &mut problem, (&guess, along)).or_else(|| {
+            let (guess, along) = (guess.as_slice(), along.as_deref());
+            let corrected = at_energy(&settings, &self.grazing, &mut problem, (guess, along), &mut ()).or_else(|| {
                 // A step in between is worth a way of its own.
-                let guess: Vec<f64> = guess.into_iter().chain([self.energy_of(point)]).collect();
                 let (coordinate, effort) = (guess.len() - 1, Effort::LITTLE);
                 let try_it = steps.len() > 1;
-                try_it.then(|| homotopy::solve(&mut problem, &guess, coordinate, &settings.step, effort, &mut ()))?
+                try_it.then(|| homotopy::solve(&mut problem, guess, coordinate, &settings.step, effort, &mut ()))?
             });
             let Some((next, _)) = corrected else { return Ok(None) };
             found = Some(problem.modal_point(&next, 0.0)?);
@@ -82,31 +73,10 @@ impl ComputedBranch {
         let (own, settings) = (&self.unknowns[point], self.settings_at(point));
         let mut problem = periodic(&self.structure, &settings, &self.grazing)?;
         let Some(coarser) = problem.harmonics() else { return Err(BranchError::NotHarmonic) };
-        let guess = coarser.resized(x, series);
-        let found = self.at_energy(point, &settings, &mut problem, (&guess, self.along(point)));
-        let size = |x: &[f64]| x.iter().map(|v| v * v).sum::<f64>().sqrt();
-        Ok(found.is_some_and(|(back, _)| {
-            let off: Vec<f64> = back.iter().zip(own).map(|(a, b)| a - b).collect();
-            size(&off) <= SAME * size(own)
-        }))
-    }
-
-    /// The motion at the energy of a point next to a guess of other harmonics or modes. Newton's method goes first to
-    /// the motion on the plane across the branch, `along` whose direction the guess is not changed: before a stop much
-    /// stiffer than the structure the energy of a guess off the equations depends on its forces, and is no guide.
-    fn at_energy(
-        &self,
-        point: usize,
-        settings: &BranchSettings,
-        problem: &mut Periodic<'_>,
-        (guess, along): (&[f64], Option<Vec<f64>>),
-    ) -> Option<(Vec<f64>, f64)> {
-        let p = self.energy_of(point);
-        let with = |x: &[f64], last: f64| -> Vec<f64> { x.iter().copied().chain([last]).collect() };
-        let mut solve = |z: &[f64], across: &[f64]| one_point(settings, &self.grazing, problem, z, across, &mut ());
-        let next = along.and_then(|along| solve(&with(guess, p), &with(&along, 0.0)));
-        let from = next.map_or_else(|| guess.to_vec(), |(x, _)| x);
-        solve(&with(&from, p), &with(&vec![0.0; from.len()], 1.0))
+        let guess = coarser.resized(&with(x, self.energy_of(point)), series);
+        let along = self.along(point).map(|along| with(&along, 0.0));
+        let found = at_energy(&settings, &self.grazing, &mut problem, (&guess, along.as_deref()), &mut ());
+        Ok(found.is_some_and(|(back, _)| FinerSettings::default().is_same(&back, own)))
     }
 
     /// The difference of the unknowns of the neighbours of a point, where they have as many.
@@ -116,4 +86,26 @@ impl ComputedBranch {
         let along: Vec<f64> = behind.iter().zip(before).map(|(a, b)| a - b).collect();
         (own.len() == before.len() && own.len() == behind.len() && along.iter().any(|v| *v != 0.0)).then_some(along)
     }
+}
+
+/// `(x, p)`.
+fn with(x: &[f64], last: f64) -> Vec<f64> {
+    x.iter().copied().chain([last]).collect()
+}
+
+/// The motion at the energy of a guess `(x, p)` of other harmonics or modes. Newton's method goes first to the motion
+/// on the plane across the branch, `along` whose direction the guess is not changed: before a stop much stiffer than
+/// the structure the energy of a guess off the equations depends on its forces, and is no guide.
+pub(super) fn at_energy(
+    settings: &BranchSettings,
+    grazing: &Grazing,
+    problem: &mut Periodic<'_>,
+    (guess, along): (&[f64], Option<&[f64]>),
+    log: &mut dyn RunLog,
+) -> Option<(Vec<f64>, f64)> {
+    let (p, x) = guess.split_last()?;
+    let mut solve = |z: &[f64], across: &[f64]| one_point(settings, grazing, problem, z, across, log);
+    let next = along.and_then(|along| solve(guess, along));
+    let from = next.map_or_else(|| x.to_vec(), |(x, _)| x);
+    solve(&with(&from, *p), &with(&vec![0.0; from.len()], 1.0))
 }

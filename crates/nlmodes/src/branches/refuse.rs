@@ -18,7 +18,7 @@ use super::{BranchError, BranchMethod, BranchSettings};
 pub fn check_branch(model: &MasslessContactModel, settings: &BranchSettings) -> Result<(), BranchError> {
     let (mut settings, fewest) = (settings.clone(), settings.harmonics);
     if let Some(accuracy) = settings.accuracy {
-        settings.harmonics = first_harmonics(accuracy, fewest);
+        settings.harmonics = first_harmonics(accuracy, &settings.growth, fewest);
     }
     if settings.method == BranchMethod::Shooting {
         shooting_modes(model, &settings)?;

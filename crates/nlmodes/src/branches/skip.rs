@@ -14,23 +14,6 @@ use super::start::{Seed, Target, heading, refined};
 use super::trace::Tracer;
 use super::{BranchError, BranchProgress, FOLLOWING, ResonanceRule};
 
-/// Share of the kinetic energy in the resonant harmonic at the base point of an internal-resonance branch, where the
-/// branch beside it has less than half of that.
-const BASE_SHARE: f64 = 0.05;
-
-/// First relative distance in frequency behind the base point of an internal-resonance branch at which the backbone is
-/// sought, and by what it grows.
-const BEYOND: (f64, f64) = (2e-4, 1.6);
-
-/// Relative difference in frequency and energy below which two base points are one.
-const SAME: f64 = 1e-6;
-
-/// Largest growth of that distance, or its share where that is more.
-const FURTHER: (f64, f64) = (2e-3, 0.1);
-
-/// Largest such distance.
-const FURTHEST: f64 = 0.2;
-
 /// Follows the backbone from `seed`; where it runs into an internal resonance, it goes back to the base point of
 /// its branch, and on behind it. One behind which no backbone is found is followed.
 pub(super) fn follow(
@@ -89,10 +72,12 @@ pub(super) fn follow(
             return Ok((all, end));
         };
         let last = all.points.len() - 1;
+        let base_share = tracer.settings.skip.base_share;
         let mut base = None;
         let behind = upward.map_or_else(|| heading(tracer, &seed), Ok).and_then(|found| {
             upward = Some(found);
-            base = base_point(&all.points[segment_start..last], resonance, found).map(|i| segment_start + i);
+            base =
+                base_point(&all.points[segment_start..last], base_share, resonance, found).map(|i| segment_start + i);
             match base {
                 Some(base) => resume(tracer, &mut guides, &all.points[base], (found, resonance)),
                 None => Ok(Behind::Nothing("it begins on it".to_owned())),
@@ -178,14 +163,15 @@ fn resume(
     near: &ModalPoint,
     (upward, resonance): (bool, InternalResonance),
 ) -> Result<Behind, BranchError> {
-    let (mut distance, sense) = (BEYOND.0, if upward { 1.0 } else { -1.0 });
+    let skip = tracer.settings.skip;
+    let (mut distance, sense) = (skip.first, if upward { 1.0 } else { -1.0 });
     let highest = tracer.settings.max_energy_ratio.map_or(f64::INFINITY, f64::ln);
     let (mut why, mut least, mut has_less) = (None, f64::INFINITY, false);
     // Where nothing is found the branch is followed, which whoever asks for "skip" does not want.
     let effort = if tracer.settings.internal_resonance == ResonanceRule::Skip { Effort::SOME } else { Effort::LITTLE };
-    while distance < FURTHEST {
+    while distance < skip.furthest {
         let hz = near.omega * (1.0 + sense * distance) / TAU;
-        distance += (distance * (BEYOND.1 - 1.0)).min(FURTHER.0.max(distance * FURTHER.1));
+        distance += (distance * (skip.growth - 1.0)).min(skip.further.0.max(distance * skip.further.1));
         if tracer.settings.frequency_hz.is_some_and(|[low, high]| !(low..=high).contains(&hz)) {
             return Ok(Behind::Limit(window(resonance)));
         }
@@ -239,8 +225,10 @@ fn back_to_base(
     if resonant {
         found.truncate(found.points.len() - 1);
     }
-    let Some(base) = base_point(&found.points, resonance, !upward) else { return Ok(None) };
-    let same = |a: f64, b: f64| (a / b - 1.0).abs() < SAME;
+    let Some(base) = base_point(&found.points, tracer.settings.skip.base_share, resonance, !upward) else {
+        return Ok(None);
+    };
+    let same = |a: f64, b: f64| (a / b - 1.0).abs() < tracer.settings.skip.same;
     let last = &found.points[base];
     if same(last.omega, near.omega) && same(last.kinetic_energy, near.kinetic_energy) {
         return Ok(None);
@@ -254,10 +242,10 @@ fn back_to_base(
 /// Index of the base point of an internal-resonance branch at the end of these points: where the resonant harmonic
 /// begins to grow, and the frequency has not turned yet. None where all of them lie on an internal-resonance branch,
 /// one of its flanks included.
-fn base_point(points: &[ModalPoint], resonance: InternalResonance, upward: bool) -> Option<usize> {
+fn base_point(points: &[ModalPoint], base_share: f64, resonance: InternalResonance, upward: bool) -> Option<usize> {
     let share = |point: &ModalPoint| point.harmonic_share(resonance.harmonic);
     let least = points.iter().map(share).fold(f64::INFINITY, f64::min);
-    let limit = BASE_SHARE.max(2.0 * least).min(RESONANT_SHARE);
+    let limit = base_share.max(2.0 * least).min(RESONANT_SHARE);
     let last = points.iter().rposition(|point| share(point) <= limit)?;
     let sense = if upward { 1.0 } else { -1.0 };
     (0..=last).max_by(|&i, &j| (sense * points[i].omega).total_cmp(&(sense * points[j].omega)))

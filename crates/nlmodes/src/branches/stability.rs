@@ -8,23 +8,10 @@ use nlmodes_timestep::{GalerkinReduction, MAX_SHOOTING_MODES, ModeShooting};
 
 use super::branch::ComputedBranch;
 use super::viewer::Viewer;
-use super::{BranchError, BranchMethod, StabilityRule, Watch};
+use super::{BesideSettings, BranchError, BranchMethod, StabilityRule, Watch};
 
 /// What is done, for whoever looks on.
 const STABILITY: &str = "computing the stability of the branch";
-
-/// Contacts up to which multipliers are found unasked.
-const FEW: usize = 16;
-
-/// Distance in scaled unknowns, over their length, up to which an exact motion counts as that of a point in harmonics,
-/// and that of the fundamentals of the first contact, over that of the point.
-const NEAR: f64 = 0.1;
-const SAME: f64 = 1e-2;
-
-/// Length of the step, in scaled unknowns, within which a change of stability is located, and halvings that it may
-/// take.
-const CHANGE_LOCATED: f64 = 1e-7;
-const MOST_HALVINGS: usize = 40;
 
 /// Finds the stability of points.
 enum Probe<'b> {
@@ -39,6 +26,7 @@ struct Beside<'b> {
     shooting: ModeShooting,
     watch: Watch,
     budget: &'b mut Budget,
+    settings: BesideSettings,
 }
 
 /// The stability of a point.
@@ -93,7 +81,7 @@ impl ComputedBranch {
             (BranchMethod::HarmonicBalance, StabilityRule::Always) => MAX_SHOOTING_MODES,
         };
         let size = model.linear_dofs().len();
-        let is_large = size > 4 * settings.stability_modes || model.contact_dofs().len() > FEW;
+        let is_large = size > 4 * settings.stability_modes || model.contact_dofs().len() > settings.beside.most_contacts;
         if settings.stability == StabilityRule::Auto && is_large {
             return None;
         }
@@ -103,7 +91,7 @@ impl ComputedBranch {
             return None;
         }
         let shooting = ModeShooting::new(reduced, self.grazing.omega, settings.harmonics).ok()?;
-        Some(Probe::Beside(Box::new(Beside { shooting, watch: settings.watch.clone(), budget })))
+        Some(Probe::Beside(Box::new(Beside { shooting, watch: settings.watch.clone(), budget, settings: settings.beside })))
     }
 
     /// The points in their order, and how many the budget left out. After each search in a row that finds nothing one
@@ -169,9 +157,9 @@ impl ComputedBranch {
     ) -> Result<Option<(Vec<f64>, ModalPoint)>, BranchError> {
         let mut viewer = Viewer::new(&self.structure, &self.settings_at(number), &self.grazing)?;
         let (mut low, mut high, mut found) = (self.solution(number - 1), self.solution(number), None);
-        for _ in 0..MOST_HALVINGS {
+        for _ in 0..self.settings.beside.halvings {
             let along: Vec<f64> = high.iter().zip(&low).map(|(a, b)| a - b).collect();
-            if length(&along) < CHANGE_LOCATED {
+            if length(&along) < self.settings.beside.located {
                 break;
             }
             let middle: Vec<f64> = high.iter().zip(&low).map(|(a, b)| 0.5 * (a + b)).collect();
@@ -231,18 +219,18 @@ impl Beside<'_> {
         };
         let (p, x) = start.split_last()?;
         let method = Continuation { max_points: 1, ..Continuation::default() };
-        let shooting = &mut self.shooting;
+        let (shooting, settings) = (&mut self.shooting, self.settings);
         self.budget.spend(&self.watch, |watch| {
             let mut watched = Watched { system: &mut *shooting, watch };
             let found = method.run(&mut watched, x, *p, &along, |_| ControlFlow::Continue(())).ok()?;
             let exact = found.points.into_iter().next()?;
             let offset: Vec<f64> = exact.z().iter().zip(&guess).map(|(a, b)| a - b).collect();
             let (_, unknowns) = guess.split_last()?;
-            if length(&offset) > NEAR * length(unknowns) {
+            if length(&offset) > settings.near * length(unknowns) {
                 return None;
             }
             let fundamental = shooting.fundamental(&exact.x).ok()?;
-            if (fundamental - point.fundamental).abs() > SAME * point.fundamental.abs() {
+            if (fundamental - point.fundamental).abs() > settings.same_fundamental * point.fundamental.abs() {
                 return None;
             }
             Some(Known { stability: shooting.floquet(&exact.x).ok()?.stability(), offset })

@@ -54,7 +54,7 @@ impl<'s> Tracer<'s> {
             log,
             viewer,
             estimator: accuracy.map(|_| estimator(structure, settings, grazing)).transpose()?,
-            control: accuracy.map(|accuracy| Control::new(accuracy, fewest, more_modes)),
+            control: accuracy.map(|accuracy| Control::new(accuracy, settings.growth, fewest, more_modes)),
             too_few_modes: false,
             earlier_iterations: 0,
         })

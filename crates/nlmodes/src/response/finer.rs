@@ -1,11 +1,11 @@
-//! Points of a curve solved again with more harmonics: what the harmonics left out do to them.
+//! Points of a response solved again with more harmonics: what the harmonics left out do to them.
 
-use std::collections::HashSet;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use nlmodes_hbm::{PeriodicSystem, RealSeries, Refined, Source};
 use nlmodes_modal::Event;
 
+use crate::finer::FinerSettings;
 use crate::response::curve::Solved;
 use crate::response::follow::{CONVERGED, Curve, HELD};
 use crate::response::{ResponseError, ResponsePoint};
@@ -22,35 +22,6 @@ pub struct FinerPoint {
     pub found: Option<Box<ResponsePoint>>,
 }
 
-/// Which points of a curve are solved again with more harmonics.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FinerSettings {
-    /// How many times as many harmonics. Default 2.
-    pub factor: usize,
-    /// Points that suffice: the largest motion, folds, the largest contact force, then others; twice as many are tried
-    /// at most. Default 6.
-    pub enough: usize,
-    /// Wall time, over that of the curve, after which no further point is begun. Default 1.
-    pub share_of_curve: f64,
-    /// Wall time that is spent where that is less, s. Default 0.5.
-    pub least_s: f64,
-}
-
-impl Default for FinerSettings {
-    fn default() -> Self {
-        Self { factor: 2, enough: 6, share_of_curve: 1.0, least_s: 0.5 }
-    }
-}
-
-/// Numbers of harmonics in between where the step to the last is too far.
-const STEPS: usize = 4;
-
-/// Relative distance up to which two solutions of the same equations are one.
-const SAME: f64 = 1e-5;
-
-/// Evenly spaced points that are tried behind the chosen ones.
-const OTHERS: usize = 8;
-
 impl Curve<'_> {
     /// Points of the curve solved again with more harmonics; it took `time` to compute.
     pub fn finer(
@@ -59,31 +30,19 @@ impl Curve<'_> {
         settings: &FinerSettings,
         time: Duration,
     ) -> Result<Vec<FinerPoint>, ResponseError> {
-        let budget = Duration::from_secs_f64(settings.least_s).max(time.mul_f64(settings.share_of_curve));
-        let (began, mut all) = (Instant::now(), Vec::<FinerPoint>::new());
-        let harmonics = self.system.settings().harmonics;
-        let finest = settings.factor.max(1) * harmonics;
-        let mut steps: Vec<usize> =
-            (1..=STEPS).map(|k| harmonics + ((finest - harmonics) * k).div_ceil(STEPS)).collect();
-        steps.dedup();
-        for point in self.candidates(points) {
-            let is_enough = all.iter().filter(|finer| finer.found.is_some()).count() >= settings.enough;
-            let is_enough = is_enough || all.len() >= 2 * settings.enough;
-            if is_enough || (!all.is_empty() && began.elapsed() > budget) || self.settings.watch.asks_to_end() {
-                break;
-            }
-            let found = match self.over(points, point, &[finest])? {
-                None if steps.len() > 1 => self.over(points, point, &steps)?,
-                found => found,
-            };
-            all.push(FinerPoint { point, found: found.map(Box::new) });
-        }
-        Ok(all)
+        let own = self.system.settings().harmonics;
+        let to = settings.factor.max(1) * own;
+        let order = self.candidates(points, settings);
+        let watch = self.settings.watch.clone();
+        let found = settings.each(&order, (time, &watch), |point| {
+            settings.reach([own, to], |steps| self.over(points, point, steps, settings))
+        })?;
+        Ok(found.into_iter().map(|(point, found)| FinerPoint { point, found: found.map(Box::new) }).collect())
     }
 
     /// The points in the order in which they are solved again; those of linear motions, which have all their harmonics,
     /// are none of them.
-    fn candidates(&self, points: &[ResponsePoint]) -> Vec<usize> {
+    fn candidates(&self, points: &[ResponsePoint], settings: &FinerSettings) -> Vec<usize> {
         let has_laws = !self.system.structure().laws().is_empty();
         let switches = |point: &ResponsePoint| {
             let contacts = &point.motion.contacts;
@@ -96,13 +55,9 @@ impl Curve<'_> {
         let force = |point: &ResponsePoint| point.motion.contacts.iter().map(|c| c.peak_force).fold(0.0, f64::max);
         let motion = |point: &ResponsePoint| point.motion.kinetic_energy / point.omega.powi(2);
         let folds = own.iter().copied().filter(|&k| points[k].events.contains(&Event::Fold));
-        let others = (0..=OTHERS).filter_map(|k| own.get(k * own.len().saturating_sub(1) / OTHERS).copied());
         let middle = own.get(own.len() / 2).copied();
-        let mut all: Vec<usize> = largest(&motion).into_iter().chain(folds).chain(largest(&force)).collect();
-        all.extend(own.last().copied().into_iter().chain(middle).chain(others));
-        let mut known = HashSet::new();
-        all.retain(|k| known.insert(*k));
-        all
+        let chosen = largest(&motion).into_iter().chain(folds).chain(largest(&force));
+        settings.order(chosen.chain(own.last().copied()).chain(middle), &own)
     }
 
     /// A point over these numbers of harmonics; `None` where one of them is not found, or does not lead back.
@@ -111,6 +66,7 @@ impl Curve<'_> {
         points: &[ResponsePoint],
         point: usize,
         steps: &[usize],
+        settings: &FinerSettings,
     ) -> Result<Option<ResponsePoint>, ResponseError> {
         let (own, series) = (&points[point].solved, self.system.series());
         let border = self.border(points, point);
@@ -130,7 +86,7 @@ impl Curve<'_> {
             (x, p, from) = (found.x.clone(), found.p, finer.series());
             last = Some((finer, found));
         }
-        let Some((mut finer, found)) = last.filter(|_| self.leads_back(own, (&x, p, from), &border)) else {
+        let Some((mut finer, found)) = last.filter(|_| self.leads_back(own, (&x, p, from), &border, settings)) else {
             return Ok(None);
         };
         self.motion(Some(&mut finer), found).map(Some)
@@ -152,12 +108,16 @@ impl Curve<'_> {
     }
 
     /// Whether Newton's method leads from a motion with more harmonics, on the same line, to the point.
-    fn leads_back(&mut self, own: &Solved, (x, p, from): (&[f64], f64, RealSeries), border: &[f64]) -> bool {
+    fn leads_back(
+        &mut self,
+        own: &Solved,
+        (x, p, from): (&[f64], f64, RealSeries),
+        border: &[f64],
+        settings: &FinerSettings,
+    ) -> bool {
         let guess = self.system.resized(x, from);
         self.system.hold_phase(&own.x);
         let back = self.system.refine(&guess, p, border);
-        let size = |of: &mut dyn Iterator<Item = f64>| of.map(|v| v * v).sum::<f64>().sqrt();
-        let off = size(&mut back.x.iter().zip(&own.x).map(|(a, b)| a - b));
-        back.residual <= CONVERGED && off <= SAME * size(&mut own.x.iter().copied())
+        back.residual <= CONVERGED && settings.is_same(&back.x, &own.x)
     }
 }

@@ -144,8 +144,7 @@ fn the_branch_of_the_beam_goes_on_where_more_harmonics_do_not_help() {
     assert!(points[1..].iter().all(|p| p.contact_fraction > 0.0));
 }
 
-/// Points are found anew only with another number of harmonics, of which each is asked for once, or after a change that
-/// led back.
+/// Points are found anew only with another number of harmonics, of which each is asked for once.
 #[test]
 fn points_are_not_taken_back_for_ever() {
     let (mut shown, mut tops) = (0, Vec::new());

@@ -2,14 +2,7 @@
 
 use nlmodes_hbm::TruncationError;
 
-use crate::branches::Accuracy;
-use crate::branches::accuracy::{AIM, OF_HARMONICS, ORDER};
-
-/// Largest growth of the number of harmonics at once.
-const GROWTH: f64 = 1.6;
-
-/// Points beyond the accuracy for which the number stays after more did not lead on.
-const STAY: usize = 8;
+use crate::branches::{Accuracy, GrowthSettings};
 
 /// What is done after a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,6 +22,7 @@ pub(super) enum Decision {
 #[derive(Debug, Clone, Copy)]
 pub(in crate::branches) struct Control {
     accuracy: Accuracy,
+    growth: GrowthSettings,
     fewest: usize,
     /// Whether held modes can be added.
     more_modes: bool,
@@ -40,8 +34,8 @@ pub(in crate::branches) struct Control {
 }
 
 impl Control {
-    pub fn new(accuracy: Accuracy, fewest: usize, more_modes: bool) -> Self {
-        Self { accuracy, fewest, more_modes, harmonics: fewest, next: fewest, stays: 0 }
+    pub fn new(accuracy: Accuracy, growth: GrowthSettings, fewest: usize, more_modes: bool) -> Self {
+        Self { accuracy, growth, fewest, more_modes, harmonics: fewest, next: fewest, stays: 0 }
     }
 
     /// The branch goes on with this number of harmonics.
@@ -52,17 +46,17 @@ impl Control {
 
     /// More harmonics do not lead on here.
     pub fn stay(&mut self) {
-        self.stays = STAY;
+        self.stays = self.growth.stay;
     }
 
     /// What is done after a point with this estimate.
     pub(super) fn decide(&mut self, error: &TruncationError) -> Decision {
-        if self.more_modes && error.held_modes > (1.0 - OF_HARMONICS) * self.accuracy.error {
+        if self.more_modes && error.held_modes > (1.0 - self.growth.share) * self.accuracy.error {
             return Decision::Modes;
         }
         let own = error.frequency - error.held_modes;
         // Not a number where both are infinite.
-        if !own.is_nan() && own <= OF_HARMONICS * self.accuracy.error {
+        if !own.is_nan() && own <= self.growth.share * self.accuracy.error {
             return Decision::Keep;
         }
         if self.stays == 0 && self.next <= self.accuracy.max_harmonics {
@@ -70,7 +64,7 @@ impl Control {
             self.next = more + 1;
             return Decision::More(more);
         }
-        let tried_here = self.stays == STAY;
+        let tried_here = self.stays == self.growth.stay;
         self.stays = self.stays.saturating_sub(1);
         if error.frequency <= self.accuracy.error { Decision::Keep } else { Decision::Limit { tried_here } }
     }
@@ -78,13 +72,13 @@ impl Control {
     /// More harmonics than ever, but not too many at once.
     fn more(&self, error: f64) -> usize {
         let harmonics = self.harmonics;
-        let most = ((GROWTH * harmonics as f64).ceil() as usize).max(harmonics + 2);
+        let most = ((self.growth.most * harmonics as f64).ceil() as usize).max(harmonics + 2);
         self.needed(error).clamp(harmonics + 2, most).max(self.next).min(self.accuracy.max_harmonics)
     }
 
     /// Harmonics with which the error would be what is aimed at, were it to fall with a power of their number.
     fn needed(&self, error: f64) -> usize {
-        let factor = (error / (AIM * self.accuracy.error)).powf(1.0 / ORDER);
+        let factor = (error / (self.growth.aim * self.accuracy.error)).powf(1.0 / self.growth.order);
         let needed = (self.harmonics as f64 * factor).ceil();
         if needed.is_finite() { (needed as usize).max(self.fewest) } else { usize::MAX }
     }
@@ -95,7 +89,7 @@ mod tests {
     use super::*;
 
     fn control(harmonics: usize) -> Control {
-        let mut control = Control::new(Accuracy { error: 1e-6, max_harmonics: 40 }, 2, true);
+        let mut control = Control::new(Accuracy { error: 1e-6, max_harmonics: 40 }, GrowthSettings::default(), 2, true);
         control.changed(harmonics);
         control
     }
@@ -147,7 +141,7 @@ mod tests {
         assert_eq!(control.decide(&error(1e-4, 0.0)), Decision::More(16));
         control.stay();
         assert_eq!(control.decide(&error(1e-8, 0.0)), Decision::Keep);
-        for point in 0..STAY {
+        for point in 0..GrowthSettings::default().stay {
             assert_eq!(control.decide(&error(1e-4, 0.0)), Decision::Limit { tried_here: point == 0 });
         }
         assert_eq!(control.decide(&error(1e-8, 0.0)), Decision::Keep);
@@ -157,7 +151,7 @@ mod tests {
     #[test]
     fn held_modes_are_added_where_they_can_be() {
         assert_eq!(control(10).decide(&error(6e-7, 5e-7)), Decision::Modes);
-        let mut given = Control::new(Accuracy { error: 1e-6, max_harmonics: 40 }, 2, false);
+        let mut given = Control::new(Accuracy { error: 1e-6, max_harmonics: 40 }, GrowthSettings::default(), 2, false);
         given.changed(10);
         assert_eq!(given.decide(&error(6e-7, 5e-7)), Decision::Keep);
     }
