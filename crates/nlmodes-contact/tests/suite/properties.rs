@@ -85,7 +85,8 @@ proptest! {
         // ones.
         let (mut closed, mut lambda) = (vec![guess; b.len()], vec![0.0; b.len()]);
         let default = ActiveSet::default().workspace(&a).unwrap().solve(&b, &mut closed, &mut lambda);
-        prop_assert!(matches!(default, Ok(_) | Err(LcpError::Infeasible { .. } | LcpError::Rounding { .. })), "{:?}", default);
+        let is_named = matches!(default, Ok(_) | Err(LcpError::Infeasible { .. } | LcpError::Rounding { .. }));
+        prop_assert!(is_named, "{:?}", default);
         let solved = is_solved_or_named(&ActiveSet::default(), &a, &b, guess)?;
         for solver in backends() {
             let other = is_solved_or_named(solver.as_ref(), &a, &b, guess)?;
@@ -102,16 +103,25 @@ proptest! {
     }
 
     #[test]
-    fn gaps_that_some_forces_open_are_solved_by_the_default((a, b) in integers(), forces in prop::collection::vec(0i8..3, 6)) {
+    fn gaps_that_some_forces_open_are_solved_by_the_default(
+        (a, b) in integers(),
+        forces in prop::collection::vec(0i8..3, 6),
+    ) {
         let c = b.len();
         // b = |b| − A f: the forces f leave the gaps |b|.
-        let b: Vec<f64> = (0..c).map(|i| b[i].abs() - (0..c).map(|j| a[(i, j)] * f64::from(forces[j])).sum::<f64>()).collect();
+        let pressed = |i: usize| (0..c).map(|j| a[(i, j)] * f64::from(forces[j])).sum::<f64>();
+        let b: Vec<f64> = (0..c).map(|i| b[i].abs() - pressed(i)).collect();
         let a = LcpMatrix::new(&a).unwrap();
         prop_assert_eq!(is_solved_or_named(&ActiveSet::default(), &a, &b, false)?, Some(true));
     }
 
     #[test]
-    fn powers_of_two_in_the_units_change_no_bit((a, b) in integers(), length in -40i32..40, force in -40i32..40, one in -20i32..20) {
+    fn powers_of_two_in_the_units_change_no_bit(
+        (a, b) in integers(),
+        length in -40i32..40,
+        force in -40i32..40,
+        one in -20i32..20,
+    ) {
         let unit = |e: i32| 2f64.powi(e);
         let c = b.len();
         // A contact without compliance has no scale of its own: it takes that of the others.
@@ -126,7 +136,8 @@ proptest! {
         };
         let (first, second) = (solve(&a, &b), solve(&other, &other_b));
         prop_assert_eq!(first.is_some(), second.is_some());
-        if let (Some((lambda, closed, violation)), Some((other_lambda, other_closed, other_violation))) = (first, second) {
+        if let (Some((lambda, closed, violation)), Some(other)) = (first, second) {
+            let (other_lambda, other_closed, other_violation) = other;
             let back: Vec<f64> = other_lambda.iter().enumerate().map(|(i, l)| l * own(i) / unit(force)).collect();
             prop_assert_eq!(lambda, back);
             prop_assert_eq!(closed, other_closed);

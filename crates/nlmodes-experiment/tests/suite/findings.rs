@@ -105,7 +105,8 @@ fn clipping_is_found_with_and_without_a_known_range() {
     let limit = 0.97 * record.samples[tip].iter().copied().fold(0.0, f64::max);
     record.samples[tip].iter_mut().for_each(|x| *x = x.min(limit));
     let is_clipped = |record: &Record| {
-        let clipped = |f: &Finding| matches!(f, Finding::Clipped { channel, samples, .. } if channel == "x_tip" && *samples > 100);
+        let is_tip = |channel: &str, samples: usize| channel == "x_tip" && samples > 100;
+        let clipped = |f: &Finding| matches!(f, Finding::Clipped { channel, samples, .. } if is_tip(channel, *samples));
         found(record, &settings()).iter().any(clipped)
     };
     assert!(is_clipped(&record));

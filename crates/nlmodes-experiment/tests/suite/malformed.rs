@@ -144,7 +144,10 @@ proptest! {
     }
 
     #[test]
-    fn a_header_with_garbage_behind_it_is_no_trouble(bytes in prop::collection::vec(any::<u8>(), 0..400), keep in 0.0..1.0f64) {
+    fn a_header_with_garbage_behind_it_is_no_trouble(
+        bytes in prop::collection::vec(any::<u8>(), 0..400),
+        keep in 0.0..1.0f64,
+    ) {
         for format in FORMATS {
             let mut file = written(format);
             file.truncate((keep * file.len() as f64) as usize);

@@ -27,7 +27,8 @@ fn floats(bytes: &[u8]) -> Vec<f32> {
 fn a_frame_holds_places_and_fields_of_its_points() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("x.inp");
-    let deck = "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,9,9,9\n6,3,0,0\n*ELEMENT,TYPE=C3D4\n7,1,2,3,4\n*ELEMENT,TYPE=B31\n8,2,6\n";
+    let deck = "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,9,9,9\n6,3,0,0\n\
+                *ELEMENT,TYPE=C3D4\n7,1,2,3,4\n*ELEMENT,TYPE=B31\n8,2,6\n";
     fs::write(&path, deck).unwrap();
     let mesh = Mesh::read(&path).unwrap();
     let surface = Surface::new(&mesh, &[4, 0]);

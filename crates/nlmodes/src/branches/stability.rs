@@ -81,7 +81,8 @@ impl ComputedBranch {
             (BranchMethod::HarmonicBalance, StabilityRule::Always) => MAX_SHOOTING_MODES,
         };
         let size = model.linear_dofs().len();
-        let is_large = size > 4 * settings.stability_modes || model.contact_dofs().len() > settings.beside.most_contacts;
+        let is_large =
+            size > 4 * settings.stability_modes || model.contact_dofs().len() > settings.beside.most_contacts;
         if settings.stability == StabilityRule::Auto && is_large {
             return None;
         }
@@ -91,7 +92,12 @@ impl ComputedBranch {
             return None;
         }
         let shooting = ModeShooting::new(reduced, self.grazing.omega, settings.harmonics).ok()?;
-        Some(Probe::Beside(Box::new(Beside { shooting, watch: settings.watch.clone(), budget, settings: settings.beside })))
+        Some(Probe::Beside(Box::new(Beside {
+            shooting,
+            watch: settings.watch.clone(),
+            budget,
+            settings: settings.beside,
+        })))
     }
 
     /// The points in their order, and how many the budget left out. After each search in a row that finds nothing one
