@@ -13,7 +13,7 @@ use nalgebra::{DMatrix, DVector};
 use nlmodes_modal::LinearModes;
 use num_complex::Complex64;
 
-/// Calibration error of a sensor, relative.
+/// Calibration error of a sensor of which none was stated, relative.
 const CALIBRATION: f64 = 0.05;
 /// Error of a mode shape over its largest entry.
 const SHAPE_ERROR: f64 = 2e-3;
@@ -39,6 +39,14 @@ pub struct Row {
     pub value: Complex64,
     /// Standard deviation from noise, m.
     pub noise: f64,
+    /// Relative error of its calibration, where that was stated.
+    pub calibration: Option<f64>,
+}
+
+impl Row {
+    fn calibration(&self) -> f64 {
+        self.calibration.unwrap_or(CALIBRATION)
+    }
 }
 
 /// The motion that some of the rows have in common.
@@ -112,7 +120,7 @@ impl Consensus<'_> {
     /// How far a row is from what the others expect, over what both may be off.
     pub fn deviate(&self, row: usize, common: &Common) -> f64 {
         let (value, (expected, error)) = (self.rows[row].value, common.expected[row]);
-        let own = self.rows[row].noise.hypot(CALIBRATION * value.norm());
+        let own = self.rows[row].noise.hypot(self.rows[row].calibration() * value.norm());
         let deviate = (value - expected).norm() / own.hypot(error);
         if deviate.is_finite() { deviate } else { 0.0 }
     }
@@ -166,7 +174,11 @@ impl Consensus<'_> {
 
     fn deviation(&self, row: &Row, shape_error: f64, largest: f64) -> f64 {
         let shape_error = if row.shape.is_some() { shape_error } else { 0.0 };
-        (CALIBRATION * row.value.norm()).hypot(row.noise).hypot(shape_error).max(1e-9 * largest).max(f64::MIN_POSITIVE)
+        (row.calibration() * row.value.norm())
+            .hypot(row.noise)
+            .hypot(shape_error)
+            .max(1e-9 * largest)
+            .max(f64::MIN_POSITIVE)
     }
 }
 
@@ -175,7 +187,7 @@ mod tests {
     use super::*;
 
     fn row(place: usize, shape: Option<usize>, value: Complex64, noise: f64) -> Row {
-        Row { channel: place, place, shape, value, noise }
+        Row { channel: place, place, shape, value, noise, calibration: None }
     }
 
     /// Two sensors at the same position have their variance-weighted mean, and their distance is their difference

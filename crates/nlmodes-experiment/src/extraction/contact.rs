@@ -115,8 +115,11 @@ impl Evidence<'_> {
         let law = ForceLaw::of(&folded);
         // A cell that saturates bends the force as a whole, and with it the place at which it seems to begin.
         let sound = law.filter(|law| declared.is_none() || law.exponent > SPRING.start);
+        // A law that does not explain the force tells no more than that the stop is far from where it was declared.
+        let reach =
+            |law: &ForceLaw, gap: f64| (SURE * law.stop_error).max(if law.explains { 0.0 } else { GAP * gap.abs() });
         let by_force = sound.map(|law| match declared {
-            Some(gap) if (law.stop - gap).abs() < SURE * law.stop_error => gap,
+            Some(gap) if (law.stop - gap).abs() < reach(&law, gap) => gap,
             _ => law.stop,
         });
         let late = |stop: Option<f64>| {
@@ -124,7 +127,7 @@ impl Evidence<'_> {
             let delay = force_law::late(&folded, &spans, self.window.omega)?;
             (delay * self.window.omega > LATE * closed(&spans)).then_some(delay)
         };
-        let late = late(by_force.or(declared));
+        let late = late(declared).or_else(|| late(by_force));
         // A force that is late does not tell where it begins.
         let stop = if late.is_some() { declared.or(by_force) } else { by_force.or(declared) };
         let spans = stop.map_or_else(Vec::new, |stop| folded.beyond(stop));
@@ -171,8 +174,9 @@ impl Evidence<'_> {
     ) {
         let channel = || self.record.channels[channel].name.clone();
         let rings = force_law::rings(&shown.folded, &shown.spans);
-        // What only fades behind the contact is late, and does not ring.
-        let fades = |harmonic: usize| shown.late.is_some() && (harmonic as f64) * closed(&shown.spans) < 1.0;
+        // What only fades behind the contact, without half a turn in as long a time, is late and does not ring.
+        let half = std::f64::consts::PI;
+        let fades = |harmonic: usize| shown.late.is_some() && (harmonic as f64) * closed(&shown.spans) < half;
         if let Some((share, harmonic)) = rings.filter(|(_, harmonic)| !fades(*harmonic)) {
             let frequency_hz = harmonic as f64 * self.window.omega / std::f64::consts::TAU;
             findings.push(Finding::CellRings { channel: channel(), share, frequency_hz });
@@ -183,6 +187,11 @@ impl Evidence<'_> {
         let Some(law) = shown.law.filter(|_| shown.late.is_none()) else { return };
         if !SPRING.contains(&law.exponent) {
             findings.push(Finding::ContactCurved { channel: channel(), exponent: law.exponent });
+        }
+        // A displacement that is integrated has no zero.
+        let place = find(&self.layout.places, stop.position).map(|k| &self.layout.places[k]);
+        if place.is_none_or(|place| member(place, &self.record.channels, Quantity::Displacement).is_none()) {
+            return;
         }
         let error = stiffness.map_or(0.0, |stiffness| stiffness.stop_error).max(law.stop_error);
         let off = (law.stop - stop.gap).abs();
@@ -225,6 +234,10 @@ impl Evidence<'_> {
         let pressed = |j: usize| shown.folded.force_at(self.fit.phase(j)) > least;
         let mut stiffness = ContactStiffness::of_pressed(history, pressed).ok()?;
         let place = &self.layout.places[find(&self.layout.places, position)?];
+        let stated = |i: usize| self.record.channels[i].uncertainty.unwrap_or(0.0);
+        let of_sensors = place.members.iter().map(|(i, _)| stated(*i)).fold(0.0, f64::max);
+        let of_cell = self.layout.contact.map_or(0.0, stated);
+        stiffness.stiffness_error = stiffness.stiffness_error.hypot(stiffness.stiffness * of_cell.hypot(of_sensors));
         if place.members.iter().all(|(_, order)| *order > 0) {
             let size = |omega: f64| displacement(place, &self.blocks.all, &self.blocks.noise, omega, 1).norm();
             let omega = self.window.omega;
@@ -254,7 +267,8 @@ impl Evidence<'_> {
         let taken =
             |((q, weight), error): ((&Complex64, &f64), &f64)| (1.0 - weight).powi(2) * (q.norm_sqr() - error).max(0.0);
         let lost: f64 = all.iter().zip(&weights).zip(&errors).map(taken).sum();
-        Measured::new(value, &tops).and((0.5 * lost).sqrt())
+        let of_cell = self.record.channels[channel].uncertainty.unwrap_or(0.0);
+        Measured::new(value, &tops).and((0.5 * lost).sqrt()).and(of_cell * value)
     }
 
     /// Squared standard errors of the harmonics of a channel: of their scatter from block to block, or of what all of

@@ -10,14 +10,14 @@ use crate::extraction::guess::strongest_frequency;
 use crate::extraction::judgement::Judgement;
 use crate::extraction::layout::{Layout, Place, modes_at, row_at};
 use crate::extraction::measured::spread;
-use crate::extraction::repeated::{Repeated, rate_deviation};
+use crate::extraction::repeated::{CommonErrors, Repeated, rate_deviation};
 use crate::extraction::values::Method;
 use crate::extraction::window::Window;
 use crate::extraction::{
     BalanceFigures, ExcitationFigures, ExtractionError, ExtractionSettings, Finding, HarmonicFit, Measured,
-    RecordExtraction, clipping, quality, window,
+    RecordExtraction, clipping, loss, quality, window,
 };
-use crate::records::{Record, Role};
+use crate::records::{Channel, Record, Role};
 
 /// Most harmonics that are fitted, and most that "all" means for the mode indicator, unless more are asked for: the
 /// time grows with their third power.
@@ -28,6 +28,8 @@ const CONTACT_SAMPLES: usize = 1 << 19;
 const RESONANCE_DEG: f64 = 90.0;
 /// Scatter of the fundamental from period to period, over its size, from which on a vibration has no frequency.
 const SCATTERED: f64 = 0.25;
+/// Share of the fundamental that that of each period has at least where its phase is looked at.
+const STEADY: f64 = 0.5;
 /// Standard errors by which the two frequencies must differ to be reported.
 const SIGNIFICANT: f64 = 5.0;
 
@@ -48,6 +50,12 @@ pub fn extract(record: &Record, settings: &ExtractionSettings) -> Result<RecordE
     quality::missing(record, &mut findings);
     let usable = quality::usable(record, &mut findings);
     let found = analysed(record, settings, &usable, findings.clone())?;
+    if let Some(found) = beside_loss(record, settings, &usable, &found, &findings) {
+        return Ok(found);
+    }
+    if let Some(found) = turned(record, settings, &usable, &found, &findings) {
+        return Ok(found);
+    }
     let (rest, mut culprits) = without_culprits(record, &usable, &found);
     if culprits.is_empty() {
         return Ok(found);
@@ -72,15 +80,93 @@ fn analysed(
     Analysis { record, settings, layout, window }.run(findings)
 }
 
-/// Which channels are left without those that were found reversed, exchanged or clipped, and the findings that say
-/// so. A channel stays that is alone at the drive point or at the stop, and so do two that explain a slip as well as
-/// each other.
+/// The analysis of the longer part beside the samples that a channel lost alone: behind them it is early by their
+/// number against the others, which is set right.
+fn beside_loss(
+    record: &Record,
+    settings: &ExtractionSettings,
+    usable: &[bool],
+    found: &RecordExtraction,
+    before: &[Finding],
+) -> Option<RecordExtraction> {
+    let of_channel = |finding: &&Finding| matches!(finding, Finding::LostSamples { channel: Some(_), .. });
+    let finding = found.findings.iter().find(of_channel)?;
+    let Finding::LostSamples { channel: Some(channel), samples, from, to } = finding else { return None };
+    let n = record.n_samples();
+    let part = |samples: &[f64], range: std::ops::Range<usize>| samples[range.start..range.end].to_vec();
+    let cut = |(channel_of, own): (&Channel, &Vec<f64>)| {
+        if *from >= n.saturating_sub(*to) {
+            return part(own, 0..*from);
+        }
+        let lost = if channel_of.name == *channel { *samples as isize } else { 0 };
+        let kept = n - to - samples.abs() as usize;
+        let start = to.saturating_add(samples.abs() as usize).saturating_add_signed(-lost);
+        part(own, start.min(n - kept)..start.min(n - kept) + kept)
+    };
+    if *samples == 0.0 || *to + 2 * samples.abs() as usize >= n {
+        return None;
+    }
+    let samples = record.channels.iter().zip(&record.samples).map(cut).collect();
+    let part = Record { samples, ..record.clone() };
+    let mut kept = analysed(&part, settings, usable, before.to_vec()).ok()?;
+    kept.findings.push(finding.clone());
+    Some(kept)
+}
+
+/// The analysis without the one of two channels at the drive point that is reversed, where the responses do not tell
+/// which: the force brings in power with the other one, and takes it out with this one.
+fn turned(
+    record: &Record,
+    settings: &ExtractionSettings,
+    usable: &[bool],
+    found: &RecordExtraction,
+    before: &[Finding],
+) -> Option<RecordExtraction> {
+    let is_turned = |finding: &&Finding| matches!(finding, Finding::ReversedChannel { alternatives, .. } if !alternatives.is_empty());
+    let Finding::ReversedChannel { channel, against, .. } = found.findings.iter().find(is_turned)? else {
+        return None;
+    };
+    let own = record.channels.iter().position(|other| other.name == *channel)?;
+    let is_twin = |i: &usize| {
+        let (a, b) = (&record.channels[own], &record.channels[*i]);
+        *i != own && usable[*i] && b.role == Role::DrivePoint && a.role == b.role && a.position == b.position
+    };
+    let twins: Vec<usize> = (0..usable.len()).filter(is_twin).collect();
+    let [twin] = twins[..] else { return None };
+    let without = |i: usize| {
+        let rest: Vec<bool> = usable.iter().enumerate().map(|(j, usable)| *usable && j != i).collect();
+        analysed(record, settings, &rest, before.to_vec()).ok()
+    };
+    let power = |found: &RecordExtraction| Some(found.excitation.as_ref()?.fundamental_power.value);
+    let (with_twin, with_own) = (without(own)?, without(twin)?);
+    let (mut kept, culprit) = match (power(&with_twin)? > 0.0, power(&with_own)? > 0.0) {
+        (true, false) => (with_twin, own),
+        (false, true) => (with_own, twin),
+        _ => return None,
+    };
+    let channel = record.channels[culprit].name.clone();
+    kept.findings.push(Finding::ReversedChannel { channel, against: against.clone(), alternatives: vec![] });
+    Some(kept)
+}
+
+/// Relative standard error of the frequency; that of the sampling rate where there are too few periods for one.
+fn omega_error(omega: &Measured, rate_error: f64) -> f64 {
+    let error = omega.uncertainty / omega.value;
+    if error.is_finite() { error } else { rate_deviation(rate_error) }
+}
+
+/// Which channels are left without those that were found reversed, exchanged, clipped or of a wrong scale, and the
+/// findings that say so. A channel stays that is alone at the drive point or at the stop, and so do two that explain a
+/// slip as well as each other.
 fn without_culprits(record: &Record, usable: &[bool], found: &RecordExtraction) -> (Vec<bool>, Vec<Finding>) {
     let mut rest = usable.to_vec();
     let mut culprits = Vec::new();
     for finding in &found.findings {
         let names: &[String] = match finding {
-            Finding::ReversedChannel { channel, alternatives, .. } if alternatives.is_empty() => {
+            Finding::ReversedChannel { channel, alternatives, .. }
+            | Finding::WrongScale { channel, alternatives, .. }
+                if alternatives.is_empty() =>
+            {
                 std::slice::from_ref(channel)
             }
             Finding::Clipped { channel, .. } => std::slice::from_ref(channel),
@@ -151,6 +237,7 @@ impl Analysis<'_> {
         self.aperiodic(&fit, &blocks, &mut findings);
         quality::sample_rate(self.record, &self.settings.tolerances, &mut findings);
         quality::silent(self.record, &mut self.layout, &blocks, (omega, self.window.n_samples), &mut findings);
+        self.losses(&blocks, omega, &mut findings);
         let drift = self.drift(&blocks, omega, &mut findings);
         if drift.scatter > SCATTERED {
             let finding = Box::new(Finding::NotPeriodic { scatter: drift.scatter });
@@ -168,8 +255,7 @@ impl Analysis<'_> {
             harmonics,
             power_harmonics,
         };
-        let repeated =
-            Repeated::new(&method, &blocks.all, &blocks.single, (self.record.rate_error, self.window.n_samples))?;
+        let repeated = Repeated::new(&method, &blocks, &self.common_errors(&omega), self.window.n_samples)?;
         let window = Window { omega: omega.value, ..self.window };
         let recent = self.recent(&window, fitted)?;
         let (at_contact, fit, of_contact) =
@@ -184,7 +270,6 @@ impl Analysis<'_> {
             periodic: !findings.iter().any(|finding| matches!(finding, Finding::Aperiodic { .. })),
         };
         let contact = evidence.figures(self.settings.stop.as_ref(), &mut findings);
-        let balance = self.balance(&method, &blocks, omega.value).filter(|_| evidence.periodic);
         let (excitation, modal) =
             (repeated.excitation(), repeated.modal(method.modes.as_ref(), self.settings.mode_errors, omega.value));
         let judgement = Judgement {
@@ -196,6 +281,7 @@ impl Analysis<'_> {
             blocks: &blocks,
             values: &repeated.all,
         };
+        self.excitation_findings(excitation.as_ref(), &mut findings);
         let damping = modal.as_ref().and_then(|modal| Some(modal.damping?.value));
         let before = findings.len();
         drift.transient(omega.value, damping, &self.settings.tolerances, &mut findings);
@@ -208,7 +294,18 @@ impl Analysis<'_> {
             }
             judgement.gap(contact.as_ref(), &mut findings);
         }
-        self.excitation_findings(excitation.as_ref(), &mut findings);
+        // What does not reach the stop has no force there, and a wrong force none that is left of it.
+        let may_touch = self.settings.stop.is_some_and(|stop| judgement.may_reach(&stop));
+        let is_forced = !findings.iter().any(|finding| {
+            let force = self.layout.force.map(|i| self.record.channels[i].name.as_str());
+            matches!(finding, Finding::ReversedForce { .. }) || force.is_some_and(|force| finding.spoils(force))
+        });
+        let balance = (evidence.periodic && may_touch && is_forced)
+            .then(|| self.balance(&method, &blocks, omega.value))
+            .flatten();
+        if let Some((contact, balance)) = contact.as_ref().zip(balance.as_ref()) {
+            judgement.cell(contact, balance, &mut findings);
+        }
         Ok(RecordExtraction {
             record: self.record.name.clone(),
             omega,
@@ -227,7 +324,6 @@ impl Analysis<'_> {
     /// The contact without its force, where the modes are known at the stop and where the force acts.
     fn balance(&self, method: &Method<'_>, blocks: &Blocks, omega: f64) -> Option<BalanceFigures> {
         let (modes, stop) = (self.settings.linear_modes.as_ref()?, self.settings.stop?);
-        let n_modes = method.modes.as_ref()?.n_modes();
         let row = |position: f64| row_at(modes.positions(), position);
         let rows = method.shape_places.iter().map(|place| row(place.position?)).collect::<Option<Vec<_>>>()?;
         let at_force = |i: usize| self.record.channels[i].position.or(self.layout.drive.as_ref()?.position);
@@ -238,9 +334,9 @@ impl Analysis<'_> {
         ForceBalance {
             modes,
             errors: self.settings.mode_errors,
+            sensors: self.record.channels.iter().map(|channel| channel.uncertainty.unwrap_or(0.0)).collect(),
             places: &method.shape_places,
             rows,
-            n_modes,
             drive,
             stop: row(stop.position)?,
             settings: stop,
@@ -318,6 +414,34 @@ impl Analysis<'_> {
                 let channel = self.record.channels[i].name.clone();
                 findings.push(Finding::Aperiodic { channel, ratio, strongest_hz });
             }
+        }
+    }
+
+    /// Errors that all periods share.
+    fn common_errors(&self, omega: &Measured) -> CommonErrors {
+        CommonErrors {
+            omega: omega_error(omega, self.record.rate_error),
+            channels: self.record.channels.iter().map(|channel| channel.uncertainty.unwrap_or(0.0)).collect(),
+            shape: self.settings.shape_error,
+        }
+    }
+
+    /// Reports channels that lost samples alone: their phase steps, that of the reference does not.
+    fn losses(&self, blocks: &Blocks, omega: f64, findings: &mut Vec<Finding>) {
+        let n = blocks.single.len();
+        let step = omega / self.record.sample_rate;
+        let edge = |k: usize| self.window.first + (k * self.window.n_samples).div_euclid(n.max(1));
+        for i in (0..self.record.channels.len()).filter(|i| self.layout.takes_part(*i)) {
+            let size = |q: &Vec<Vec<Complex64>>| q[i].get(1).map_or(0.0, |q| q.norm());
+            // A fundamental in noise has no phase.
+            if blocks.single.iter().any(|q| size(q) < STEADY * size(&blocks.all)) {
+                continue;
+            }
+            let phases = loss::unwrapped(blocks.single.iter().map(|q| q[i][1].arg()));
+            let Some((k, samples)) = loss::in_phases(&phases, step) else { continue };
+            let (from, to) = (edge(k.saturating_sub(1)), edge((k + 2).min(n)));
+            let channel = Some(self.record.channels[i].name.clone());
+            findings.push(Finding::LostSamples { channel, samples, from, to });
         }
     }
 

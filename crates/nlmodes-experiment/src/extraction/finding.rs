@@ -227,6 +227,17 @@ pub enum Finding {
         /// By how much, s.
         delay: f64,
     },
+    /// The peak of the force at the stop is not the one that the balance of the linear modes gives.
+    CellDisagrees {
+        /// Name of the channel.
+        channel: String,
+        /// Its peak, N.
+        peak: f64,
+        /// Peak by the balance, N.
+        balance: f64,
+        /// Standard error of the difference, N.
+        uncertainty: f64,
+    },
     /// The force at the stop is no straight line over the displacement.
     ContactCurved {
         /// Name of the channel.
@@ -252,6 +263,8 @@ pub enum Finding {
     },
     /// Samples that the recorder lost, or has twice.
     LostSamples {
+        /// Name of the channel, where the others have lost none.
+        channel: Option<String>,
         /// How many, but for whole periods; negative where samples occur twice.
         samples: f64,
         /// They are lost behind this sample, from 0 …
@@ -276,6 +289,21 @@ pub enum Finding {
 }
 
 impl Finding {
+    /// Whether it says that the numbers of this channel are not what they should be.
+    pub fn spoils(&self, name: &str) -> bool {
+        match self {
+            Self::Clipped { channel, .. }
+            | Self::WrongScale { channel, .. }
+            | Self::ReversedChannel { channel, .. }
+            | Self::Offset { channel, .. }
+            | Self::CellRings { channel, .. }
+            | Self::CellLate { channel, .. }
+            | Self::CellDisagrees { channel, .. }
+            | Self::LostSamples { channel: Some(channel), .. } => channel == name,
+            _ => false,
+        }
+    }
+
     /// Names of findings, each once, separated by spaces.
     pub fn names<'a>(findings: impl IntoIterator<Item = &'a Self>) -> String {
         let mut names: Vec<&str> = Vec::new();

@@ -25,6 +25,8 @@ pub struct ForceLaw {
     pub stop: f64,
     /// Standard error of the latter, m.
     pub stop_error: f64,
+    /// Whether it is that of a spring or of a Hertz contact, and noise explains what it leaves of the force.
+    pub explains: bool,
 }
 
 /// Points of the mean period, each `[x, F]`.
@@ -42,26 +44,50 @@ impl ForceLaw {
             return None;
         }
         let fits = EXPONENTS.filter_map(|i| power(&points, FINE * i as f64));
-        let best = fits.min_by(|a, b| a.left.total_cmp(&b.left))?;
-        let line = power(&points, 1.0)?;
+        let best = refined(&points, fits.min_by(|a, b| a.left.total_cmp(&b.left))?.exponent)?;
         let highest = points.iter().map(|p| p[0]).fold(f64::NEG_INFINITY, f64::max);
-        let is_line = line.left < CURVED * best.left.max(NEGLIGIBLE);
-        // The exponent is known to its grid only; that it is one, no better than the best one shows.
-        let beside = if is_line { Some(best.stop) } else { power(&points, best.exponent + FINE).map(|fit| fit.stop) };
-        let exponent_error = beside.map_or(0.0, |stop| (stop - if is_line { line.stop } else { best.stop }).abs());
-        let law = if is_line { line } else { best };
+        // A spring or a Hertz contact, where the best exponent fits hardly better.
+        let is_as_good = |fit: &Fit| fit.left < CURVED * best.left.max(NEGLIGIBLE);
+        let known = LAWS.iter().filter_map(|exponent| power(&points, *exponent)).find(is_as_good);
+        let law = known.unwrap_or(best);
         // What noise does not explain is no noise: it has no mean.
         let is_noise = law.left < UNEXPLAINED * (folded.force_error / peak).max(NEGLIGIBLE);
         let n = if is_noise { points.len() as f64 } else { 1.0 };
+        let left = law.left.max(NEGLIGIBLE);
+        // That it is one of these is known no better than the best exponent shows; an exponent, as far as what is left
+        // grows beside it.
+        let by_exponent = if known.is_some() {
+            (best.stop - law.stop).abs()
+        } else {
+            let beside = power(&points, best.exponent + FINE)?;
+            let growth = (beside.left.powi(2) - best.left.powi(2)).max(f64::MIN_POSITIVE);
+            (beside.stop - best.stop).abs() * (left / (n * growth).sqrt()).min(1.0)
+        };
         (highest > law.stop).then_some(Self {
             exponent: law.exponent,
             stop: law.stop,
-            stop_error: exponent_error.hypot(LEVER * law.left * (highest - law.stop) / n.sqrt()),
+            stop_error: by_exponent.hypot(LEVER * left * (highest - law.stop) / n.sqrt()),
+            explains: is_noise && known.is_some(),
         })
     }
 }
 
-/// Factor by which a curve must fit better than a line to be one.
+/// The best exponent within the grid about this one.
+fn refined(points: &Points, exponent: f64) -> Option<Fit> {
+    let (mut low, mut high) = (exponent - FINE, exponent + FINE);
+    let left = |exponent: f64| power(points, exponent).map_or(f64::INFINITY, |fit| fit.left);
+    for _ in 0..STEPS {
+        let [a, b] = [low + (high - low) / 3.0, high - (high - low) / 3.0];
+        if left(a) < left(b) { high = b } else { low = a }
+    }
+    power(points, 0.5 * (low + high))
+}
+
+/// Steps to the best exponent, each by a third.
+const STEPS: usize = 20;
+/// Exponents of a spring and of a Hertz contact.
+const LAWS: [f64; 2] = [1.0, 1.5];
+/// Factor by which another exponent must fit better than these.
 const CURVED: f64 = 1.5;
 /// Factor on the noise of the mean period beyond which it does not explain a misfit.
 const UNEXPLAINED: f64 = 2.0;
@@ -71,6 +97,7 @@ const LEVER: f64 = 6.0;
 /// Share of the peak within which a fit is as good as any.
 const NEGLIGIBLE: f64 = 2e-3;
 
+#[derive(Debug, Clone, Copy)]
 struct Fit {
     exponent: f64,
     stop: f64,
@@ -149,6 +176,18 @@ const GIVEN: f64 = 0.04;
 pub fn rings(folded: &Folded, spans: &[Closed]) -> Option<(f64, usize)> {
     let closed: f64 = spans.iter().map(|span| span.leaving - span.touching).sum();
     let open = folded.open_bins(spans, MARGIN * closed);
+    // A cell rings most behind the contact, as long again as that was.
+    let turn = std::f64::consts::TAU;
+    let is_behind = |i: &usize| {
+        let near = |span: &Closed| (folded.phase[*i] - span.leaving).rem_euclid(turn) < span.leaving - span.touching;
+        spans.iter().any(near)
+    };
+    let behind: Vec<usize> = open.iter().copied().filter(is_behind).collect();
+    rings_in(folded, &open).or_else(|| rings_in(folded, &behind))
+}
+
+/// The same of the force in these bins.
+fn rings_in(folded: &Folded, open: &[usize]) -> Option<(f64, usize)> {
     if open.len() < FEWEST {
         return None;
     }

@@ -1,6 +1,7 @@
 //! What a careful experimenter looks at once the values are there: delays, scales, signs, phases, forces, the state of
 //! the vibration.
 
+use nlmodes_modal::LinearModes;
 use num_complex::Complex64;
 
 use crate::extraction::balance::Balance;
@@ -11,13 +12,20 @@ use crate::extraction::scale::{Scales, likely_unit};
 use crate::extraction::skew::Comparison;
 use crate::extraction::values::{Method, Values};
 use crate::extraction::window::Window;
-use crate::extraction::{ContactFigures, ExtractionSettings, Finding, Measured, quadrature};
+use crate::extraction::{BalanceFigures, ContactFigures, ExtractionSettings, Finding, Measured, Stop, quadrature};
 use crate::records::{Quantity, Record};
 
 /// Distance of the stop from where it is declared, over gap or motion, that is reported.
 const GAP: f64 = 0.5;
 /// Share of the gap up to which a motion surely does not touch.
 const SURELY_OPEN: f64 = 0.95;
+/// Power that damping takes in higher harmonics and the force does not bring in, over that in the fundamental, from
+/// which on something hands it over to them.
+const HANDED_OVER: f64 = 0.02;
+/// Share of the peak by the balance of the modes by which that of the cell must be off to be reported …
+const DISAGREES: f64 = 0.08;
+/// … and standard errors.
+const SURE: f64 = 4.0;
 /// Factor between the frequency and that of the nearest linear mode that is reported: a stop raises it to its double,
 /// two stops further.
 const FAR: f64 = 3.0;
@@ -96,6 +104,7 @@ impl Judgement<'_> {
             shape: shape(place),
             value: self.blocks.all[i][1] / Complex64::new(0.0, omega).powu(order),
             noise: sampling * self.blocks.noise[i] / omega.powi(order as i32),
+            calibration: self.record.channels[i].uncertainty,
         };
         let rows = places.iter().enumerate().flat_map(|(k, place)| place.members.iter().map(move |m| ((k, place), *m)));
         Consensus {
@@ -127,7 +136,8 @@ impl Judgement<'_> {
     pub fn forces(&self, power: Option<Measured>, contact: Option<&ContactFigures>, findings: &mut Vec<Finding>) {
         let (Some(modes), Some(modal)) = (self.method.modes.as_ref(), self.modal()) else { return };
         let channels = &self.record.channels;
-        let touched = contact.filter(|contact| contact.peak_force.value > 0.0);
+        let is_sound = self.layout.contact.is_none_or(|i| !findings.iter().any(|f| f.spoils(&channels[i].name)));
+        let touched = contact.filter(|contact| is_sound && contact.peak_force.value > 0.0);
         let at_stop =
             self.settings.stop.zip(self.layout.contact).filter(|_| touched.is_some()).and_then(|(stop, i)| {
                 let row = self
@@ -140,7 +150,9 @@ impl Judgement<'_> {
             });
         let force = self.layout.force.zip(power);
         // A stop whose force was not measured, or a force whose place in the modes is not known.
-        let unknown_contact = contact.map_or_else(|| self.may_touch(), |_| touched.is_some() && at_stop.is_none());
+        let unknown_contact = contact
+            .map_or_else(|| self.may_touch(), |_| !is_sound || (touched.is_some() && at_stop.is_none()))
+            || (at_stop.is_none() && self.hands_over(modes, &modal));
         Balance {
             modes,
             modal,
@@ -154,11 +166,26 @@ impl Judgement<'_> {
 
     /// Whether the motion may reach a stop whose force is not measured.
     fn may_touch(&self) -> bool {
-        let Some(stop) = self.settings.stop else { return false };
+        self.settings.stop.is_some_and(|stop| self.may_reach(&stop))
+    }
+
+    /// Whether the motion may reach a stop: unless its largest displacement there is known, and is less.
+    pub fn may_reach(&self, stop: &Stop) -> bool {
         let here = |place: &Place| place.position.is_some_and(|x| near(x, stop.position));
         let row = self.method.shape_places.iter().position(here);
         let largest = |row: usize| self.values.motion.of(row).iter().map(|q| q.norm()).sum::<f64>();
         row.is_none_or(|row| largest(row) > SURELY_OPEN * stop.gap)
+    }
+
+    /// Whether damping takes power in higher harmonics that the force brings in by its fundamental: a contact or
+    /// another law of force is there, whether it was described or not.
+    fn hands_over(&self, modes: &LinearModes, modal: &[Complex64]) -> bool {
+        let (Some(own), Some(power)) = (&self.values.modal, self.values.power) else { return false };
+        let rates = modes.omegas().iter().zip(modes.damping_ratios()).map(|(omega, zeta)| zeta * omega);
+        let first: f64 = rates.zip(modal).map(|(rate, eta)| rate * self.method.omega.powi(2) * eta.norm_sqr()).sum();
+        let higher = own.dissipated - self.method.dissipated_by_noise(self.window.n_samples) - first;
+        let brought = (power.active - power.fundamental).abs();
+        higher - brought > HANDED_OVER * first
     }
 
     /// Reports a contact that closes far from where the stop is declared.
@@ -188,6 +215,20 @@ impl Judgement<'_> {
             likely: likely_unit(channel, factor, 0.1),
             alternatives: vec!["the gap".into()],
         });
+    }
+
+    /// Reports a force cell whose peak is not that of the balance of the linear modes, where nothing else was found
+    /// wrong with it.
+    pub fn cell(&self, contact: &ContactFigures, balance: &BalanceFigures, findings: &mut Vec<Finding>) {
+        let Some(channel) = self.layout.contact.map(|i| self.record.channels[i].name.clone()) else { return };
+        let (cell, by_modes) = (contact.peak_force, balance.peak_force);
+        let uncertainty = cell.uncertainty.hypot(by_modes.uncertainty);
+        let off = (cell.value - by_modes.value).abs();
+        let is_off = off > DISAGREES * by_modes.value && off > SURE * uncertainty;
+        if cell.value > 0.0 && is_off && !findings.iter().any(|finding| finding.spoils(&channel)) {
+            let (peak, balance) = (cell.value, by_modes.value);
+            findings.push(Finding::CellDisagrees { channel, peak, balance, uncertainty });
+        }
     }
 
     fn name_at(&self, place: &Place) -> String {

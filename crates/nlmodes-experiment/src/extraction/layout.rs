@@ -11,6 +11,11 @@ use crate::records::{Channel, Quantity, Record, Role};
 /// Positions count as the same within this share of the largest one.
 const SAME_PLACE: f64 = 1e-3;
 
+/// Factor in the relative noise for which a channel of the next derivative is taken for the frequency.
+const PREFERRED: f64 = 5.0;
+/// Relative noise below which channels are alike.
+const NOISELESS: f64 = 1e-6;
+
 /// Channels that measure the motion at one place: displacement, velocity, acceleration.
 #[derive(Debug, Clone)]
 pub struct Place {
@@ -60,6 +65,20 @@ impl Layout {
         Self { force, drive, contact: first(Role::Contact), phase: first(Role::ExcitationPhase), places, reference }
     }
 
+    /// Samples of the force, or else of the first motion channel beside the reference.
+    pub fn other_signal<'a>(&self, record: &'a Record) -> Option<&'a [f64]> {
+        let other = |place: &Place| place.members.iter().map(|(i, _)| *i).find(|i| self.reference != Some(*i));
+        let i = self.force.or_else(|| self.places.iter().find_map(other))?;
+        Some(&record.samples[i])
+    }
+
+    /// Whether a channel is force, drive point or response at a place, but not the reference.
+    pub fn takes_part(&self, channel: usize) -> bool {
+        let at = |place: &Place| place.members.iter().any(|(i, _)| *i == channel);
+        let taken = self.force == Some(channel) || self.drive.iter().chain(&self.places).any(at);
+        taken && self.reference != Some(channel)
+    }
+
     /// The channel of motion that determines the frequency.
     ///
     /// # Errors
@@ -87,13 +106,15 @@ pub fn is_at(channels: &[Channel], channel: usize, position: Option<f64>) -> boo
     channels[channel].position.zip(position).is_none_or(|(a, b)| (a - b).abs() <= SAME_PLACE * largest)
 }
 
-/// Displacement before velocity before acceleration, since it has the weakest harmonics; then the channel with the
-/// least noise.
+/// The channel with the least noise; displacement before velocity before acceleration, since it has the weakest
+/// harmonics, unless its noise is larger by a factor for each derivative.
 fn reference(record: &Record, motion: &[usize]) -> Option<usize> {
-    let order = |i: &usize| record.channels[*i].quantity.time_derivative().unwrap_or(0);
-    let lowest = motion.iter().map(order).min()?;
-    let noise = |i: &usize| noise_level(&record.samples[*i]) / spread(&record.samples[*i]);
-    motion.iter().copied().filter(|i| order(i) == lowest).min_by(|a, b| noise(a).total_cmp(&noise(b)))
+    let order = |i: usize| record.channels[i].quantity.time_derivative().unwrap_or(0);
+    let noise = |i: usize| {
+        let own = noise_level(&record.samples[i]) / spread(&record.samples[i]);
+        own.max(NOISELESS) * PREFERRED.powi(order(i) as i32)
+    };
+    motion.iter().copied().min_by(|a, b| noise(*a).total_cmp(&noise(*b)))
 }
 
 fn places(channels: &[Channel], motion: &[usize]) -> Vec<Place> {

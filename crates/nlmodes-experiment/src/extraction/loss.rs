@@ -28,6 +28,25 @@ pub struct Loss {
 
 /// Finds a loss in a signal whose phase advances by about `step` (rad) from sample to sample.
 pub fn find(signal: &[f64], step: f64) -> Option<Loss> {
+    let first = of_periods(signal, step)?;
+    // A loss spoils the frequency of the whole record, hardly that of most of its periods.
+    let mut advances: Vec<f64> = first.phases.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    advances.sort_by(f64::total_cmp);
+    let step = step + advances.get(advances.len() / 2)? / first.per_block as f64;
+    let Periods { phases, per_block } = of_periods(signal, step)?;
+    let (k, samples) = in_phases(&phases, step)?;
+    let place = (k - usize::from(k > 0)) * per_block..((k + 2) * per_block).min(signal.len());
+    Some(Loss { place, samples })
+}
+
+/// Phases of the fundamental, each against its course at a constant frequency.
+struct Periods {
+    phases: Vec<f64>,
+    /// Samples from one to the next.
+    per_block: usize,
+}
+
+fn of_periods(signal: &[f64], step: f64) -> Option<Periods> {
     let per_block = (PERIODS * std::f64::consts::TAU / step).round() as usize;
     let harmonics = HARMONICS.min((0.4 * std::f64::consts::TAU / step) as usize);
     let n = signal.len().checked_div(per_block)?;
@@ -37,21 +56,35 @@ pub fn find(signal: &[f64], step: f64) -> Option<Loss> {
     let fit = HarmonicFit::new(harmonics, step, per_block).ok()?;
     let blocks: Vec<&[f64]> = signal.chunks_exact(per_block).collect();
     let found = fit.coefficients(&blocks);
-    let mut phases = Vec::with_capacity(n);
-    for (k, q) in found.iter().enumerate() {
-        let phase = q[1].arg() - step * (k * per_block) as f64;
-        let before = phases.last().copied().unwrap_or(0.0);
-        phases.push(before + wrapped(phase - before));
+    let phases = unwrapped(found.iter().enumerate().map(|(k, q)| q[1].arg() - step * (k * per_block) as f64));
+    Some(Periods { phases, per_block })
+}
+
+/// Phases without the jumps of full turns.
+pub fn unwrapped(phases: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut found: Vec<f64> = Vec::new();
+    for phase in phases {
+        let before = found.last().copied().unwrap_or(0.0);
+        found.push(before + wrapped(phase - before));
     }
-    let (k, height, error, left) = (1..n - 1).filter_map(|k| Some((k, stepped(&phases, k)?))).fold(
+    found
+}
+
+/// The block within which the phase steps by a whole number of samples, and that number: samples that are lost, or,
+/// below zero, occur twice; `step` is the advance of the phase (rad) from sample to sample.
+pub fn in_phases(phases: &[f64], step: f64) -> Option<(usize, f64)> {
+    let n = phases.len();
+    if n < FEWEST {
+        return None;
+    }
+    let (k, height, error, left) = (1..n - 1).filter_map(|k| Some((k, stepped(phases, k)?))).fold(
         (0, 0.0, 0.0, f64::INFINITY),
         |best, (k, (height, error, left))| if left < best.3 { (k, height, error, left) } else { best },
     );
     let samples = height / step;
     let is_whole = samples.abs() > 0.5 && (samples - samples.round()).abs() < WHOLE;
-    let is_sure = height.abs() > SIGNIFICANT * error && left < EXPLAINS * smooth(&phases);
-    let place = (k - usize::from(k > 0)) * per_block..((k + 2) * per_block).min(signal.len());
-    (is_whole && is_sure && k > 0).then(|| Loss { place, samples: samples.round() })
+    let is_sure = height.abs() > SIGNIFICANT * error && left < EXPLAINS * smooth(phases);
+    (is_whole && is_sure && k > 0).then(|| (k, samples.round()))
 }
 
 /// The best line with a step within block `k`, which itself is left out: height of the step, its standard error, root

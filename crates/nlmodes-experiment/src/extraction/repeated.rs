@@ -2,6 +2,7 @@
 
 use nlmodes_modal::{LinearDissipation, LinearModes};
 
+use crate::extraction::blocks::Blocks;
 use crate::extraction::values::{Method, Values};
 use crate::extraction::{ExcitationFigures, ExtractionError, Measured, ModalFigures, ModeErrors};
 
@@ -14,8 +15,10 @@ pub struct Repeated {
     single: Vec<Values>,
     /// What noise adds to the power that damping ratios dissipate, W.
     by_noise: f64,
-    /// The values at a frequency that is higher by the standard error of the sampling rate, where that has one.
-    stretched: Option<Values>,
+    /// The values where one of the errors that all periods share is as large as its standard error.
+    shifted: Vec<Values>,
+    /// By how much noise makes the apparent power seem larger.
+    apparent: f64,
 }
 
 /// Standard error of the sampling rate, relative: its error is anywhere within the bound.
@@ -23,30 +26,70 @@ pub fn rate_deviation(rate_error: f64) -> f64 {
     rate_error / 3f64.sqrt()
 }
 
+/// Relative standard errors that all periods have in common.
+#[derive(Debug)]
+pub struct CommonErrors {
+    /// Of the frequency, that of the sampling rate included.
+    pub omega: f64,
+    /// Of the sensitivity of each channel.
+    pub channels: Vec<f64>,
+    /// Of the shape of the excited mode at each position.
+    pub shape: f64,
+}
+
+impl CommonErrors {
+    /// The values with each of them as large as its standard error.
+    fn shifted(&self, method: &Method<'_>, all: &[Vec<Complex64>]) -> Result<Vec<Values>, ExtractionError> {
+        let mut shifted = Vec::new();
+        if self.omega > 0.0 {
+            // Coefficients belong to phases, not to times: another frequency changes the derivatives, nothing else.
+            shifted.push(Method { omega: method.omega * (1.0 + self.omega), ..method.clone() }.values(all)?);
+        }
+        for (i, error) in self.channels.iter().enumerate().filter(|(_, error)| **error > 0.0) {
+            let mut coefficients = all.to_vec();
+            coefficients[i].iter_mut().for_each(|q| *q *= 1.0 + error);
+            shifted.push(method.values(&coefficients)?);
+        }
+        for modes in method.modes.iter().filter(|_| self.shape > 0.0) {
+            for row in 0..modes.n_coordinates() {
+                let Some(modes) = bent(modes, row, method.mode, self.shape) else { continue };
+                shifted.push(Method { modes: Some(modes), ..method.clone() }.values(all)?);
+            }
+        }
+        Ok(shifted)
+    }
+}
+
+/// Modes whose entry of one of them in a row is larger by a share.
+fn bent(modes: &LinearModes, row: usize, mode: usize, share: f64) -> Option<LinearModes> {
+    let entry = |d: usize, k: usize| modes.shape(d, k) * if (d, k) == (row, mode) { 1.0 + share } else { 1.0 };
+    let shapes: Vec<Vec<f64>> =
+        (0..modes.n_coordinates()).map(|d| (0..modes.n_modes()).map(|k| entry(d, k)).collect()).collect();
+    LinearModes::new(modes.positions(), modes.omegas(), modes.damping_ratios(), &shapes).ok()
+}
+
 impl Repeated {
-    /// Evaluates the coefficients of all periods and of single ones; `rate_error` is the bound of the sampling rate's
-    /// relative error, beside the number of samples.
+    /// Evaluates the coefficients of all periods and of single ones, with what errors common to all of them do; of so
+    /// many samples.
     pub fn new(
         method: &Method<'_>,
-        all: &[Vec<Complex64>],
-        single: &[Vec<Vec<Complex64>>],
-        (rate_error, n_samples): (f64, usize),
+        blocks: &Blocks,
+        errors: &CommonErrors,
+        n_samples: usize,
     ) -> Result<Self, ExtractionError> {
         let by_noise = method.dissipated_by_noise(n_samples);
-        // Coefficients belong to phases, not to times: another sampling rate changes the frequency at which they are
-        // taken, nothing else.
-        let stretched = Method { omega: method.omega * (1.0 + rate_deviation(rate_error)), ..method.clone() };
-        let stretched = (rate_error > 0.0).then(|| stretched.values(all)).transpose()?;
-        let single = single.iter().map(|q| method.values(q)).collect::<Result<_, _>>()?;
-        Ok(Self { all: method.values(all)?, single, by_noise, stretched })
+        let apparent = method.apparent_by_noise(&blocks.all, n_samples);
+        let single = blocks.single.iter().map(|q| method.values(q)).collect::<Result<_, _>>()?;
+        let shifted = errors.shifted(method, &blocks.all)?;
+        Ok(Self { all: method.values(&blocks.all)?, single, by_noise, shifted, apparent })
     }
 
     /// A figure with its uncertainty.
     pub fn measured(&self, of: impl Fn(&Values) -> Option<f64>) -> Option<Measured> {
         let repeated: Vec<f64> = self.single.iter().filter_map(&of).collect();
         let measured = Measured::new(of(&self.all)?, &repeated);
-        let rate = self.stretched.as_ref().and_then(&of).map_or(0.0, |stretched| stretched - measured.value);
-        Some(measured.and(rate))
+        let shifts = self.shifted.iter().filter_map(&of).map(|shifted| shifted - measured.value);
+        Some(measured.and(shifts.map(|shift| shift * shift).sum::<f64>().sqrt()))
     }
 
     /// The figures of the excitation.
@@ -56,10 +99,17 @@ impl Repeated {
             power: self.all.power?,
             fundamental_power: self.measured(|f| Some(f.power?.fundamental))?,
             total_power: self.measured(|f| Some(f.power?.active))?,
-            pbmif: self.measured(|f| Some(f.power?.indicator()))?,
+            pbmif: self.indicator()?,
             force: self.measured(|f| f.force)?,
             lag: Measured::angle(self.all.lag?, &lags),
         })
+    }
+
+    /// The mode indicator without what noise adds to the apparent power.
+    fn indicator(&self) -> Option<Measured> {
+        let measured = self.measured(|f| Some(f.power?.indicator()))?;
+        let value = (measured.value * self.apparent).clamp(-1.0, 1.0);
+        Some(Measured { value, ..measured })
     }
 
     /// The power of the force that the damping ratios do not take, which have their own errors.

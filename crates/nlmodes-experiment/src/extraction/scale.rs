@@ -60,7 +60,9 @@ impl Scales<'_> {
         let single: Vec<Cause> = (0..n).filter_map(|i| self.cause(vec![i])).collect();
         let causes =
             if single.is_empty() { self.groups().into_iter().filter_map(|g| self.cause(g)).collect() } else { single };
-        if let Some(exchanged) = causes.is_empty().then(|| self.exchanged()).flatten() {
+        // Two exchanged channels are each off by a factor too, but hardly by that of a unit.
+        let is_slip = causes.iter().any(|cause| self.unit(cause).is_some() || is_reversed(cause.ratio));
+        if let Some(exchanged) = (!is_slip).then(|| self.exchanged()).flatten() {
             findings.push(exchanged);
         } else if causes.is_empty() {
             findings.extend(self.unexplained(worst));

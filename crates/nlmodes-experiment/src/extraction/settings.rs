@@ -19,6 +19,9 @@ pub struct ExtractionSettings {
     pub linear_modes: Option<LinearModes>,
     /// How well they are known.
     pub mode_errors: ModeErrors,
+    /// Relative standard error of the excited mode's shape at each position that is part of those of modal amplitude
+    /// and damping; zero: none.
+    pub shape_error: f64,
     /// The stop, for restitution and contact stiffness.
     pub stop: Option<Stop>,
     /// From where on something is worth telling.
@@ -38,6 +41,7 @@ impl Default for ExtractionSettings {
             frequency_from_phase: true,
             linear_modes: None,
             mode_errors: ModeErrors::default(),
+            shape_error: 0.0,
             stop: None,
             tolerances: Tolerances::default(),
         }

@@ -102,6 +102,26 @@ impl Method<'_> {
         (1..=self.power_harmonics).map(of).sum()
     }
 
+    /// Factor by which noise of the sensors makes the apparent power of these coefficients seem larger, with so many
+    /// samples.
+    pub fn apparent_by_noise(&self, coefficients: &[Vec<Complex64>], n_samples: usize) -> f64 {
+        let (Some(force), Some(drive)) = (self.layout.force, &self.layout.drive) else { return 1.0 };
+        let own = self.noise[force].powi(2) / n_samples as f64;
+        let rate = |n: usize| (n as f64 * self.omega).powi(2);
+        let motion = |n: usize| displacement(drive, coefficients, self.noise, self.omega, n).norm_sqr() * rate(n);
+        // Real and imaginary part have each this variance.
+        let of_force = |n: usize| [coefficients[force][n].norm_sqr(), 4.0 * own];
+        let of_motion = |n: usize| {
+            let sigma = displacement_noise(drive, self.noise, self.omega, n, n_samples);
+            [motion(n), 2.0 * sigma * sigma * rate(n)]
+        };
+        let share = |of: &dyn Fn(usize) -> [f64; 2]| {
+            let all = (1..=self.power_harmonics).map(of).fold([0.0, 0.0], |sum, of| [sum[0] + of[0], sum[1] + of[1]]);
+            if all[1] < all[0] { (1.0 - all[1] / all[0]).sqrt().recip() } else { 1.0 }
+        };
+        share(&of_force) * share(&of_motion)
+    }
+
     fn power(&self, force: &[Complex64], drive: &[Complex64]) -> ExcitationPower {
         let rate = |(n, q): (usize, &Complex64)| Complex64::new(0.0, n as f64 * self.omega) * q;
         let velocity: Vec<Complex64> = drive.iter().enumerate().map(rate).collect();

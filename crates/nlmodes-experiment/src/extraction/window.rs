@@ -74,7 +74,8 @@ pub fn choose(
     let nearer = if stretch.len() < samples.len() { find(&samples[stretch], guess, rate) } else { None };
     let guess = nearer.unwrap_or(guess);
     let omega = find(samples, guess, rate).unwrap_or(guess);
-    let sound = without_losses(samples, omega / rate, findings);
+    let other = layout.other_signal(record).map(|other| &other[..samples.len()]);
+    let sound = without_losses((samples, other), &name(), omega / rate, findings);
     let samples = &samples[sound.clone()];
     let omega = find(samples, omega, rate).unwrap_or(omega);
     let periods = samples.len() as f64 / rate * omega / TAU;
@@ -111,12 +112,28 @@ fn find(samples: &[f64], start: f64, rate: f64) -> Option<f64> {
 
 /// The longest part of the samples in which none are lost; reports each loss. `step` is the advance of the phase (rad)
 /// from sample to sample.
-fn without_losses(samples: &[f64], step: f64, findings: &mut Vec<Finding>) -> Range<usize> {
+///
+/// Beside the samples, those of another channel, which tell whether the first one has lost some alone.
+fn without_losses(
+    (samples, other): (&[f64], Option<&[f64]>),
+    name: &str,
+    step: f64,
+    findings: &mut Vec<Finding>,
+) -> Range<usize> {
     let mut sound = 0..samples.len();
     for _ in 0..MAX_LOSSES {
         let Some(found) = loss::find(&samples[sound.clone()], step) else { break };
         let place = sound.start + found.place.start..sound.start + found.place.end;
-        findings.push(Finding::LostSamples { samples: found.samples, from: place.start, to: place.end });
+        let is_alone = other.is_some_and(|other| {
+            let near = |loss: &loss::Loss| loss.place.start < found.place.end && found.place.start < loss.place.end;
+            !loss::find(&other[sound.clone()], step).is_some_and(|loss| near(&loss))
+        });
+        findings.push(Finding::LostSamples {
+            channel: is_alone.then(|| name.to_owned()),
+            samples: found.samples,
+            from: place.start,
+            to: place.end,
+        });
         let (before, after) = (sound.start..place.start, place.end..sound.end);
         sound = if before.len() > after.len() { before } else { after };
     }

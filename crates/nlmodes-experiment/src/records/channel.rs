@@ -65,6 +65,8 @@ pub struct Channel {
     pub delay: f64,
     /// Smallest and largest value that the sensor can give, in `unit`.
     pub range: Option<[f64; 2]>,
+    /// Relative standard error of the sensitivity, where it was stated.
+    pub uncertainty: Option<f64>,
 }
 
 impl Channel {
@@ -80,6 +82,7 @@ impl Channel {
             sensitivity: 1.0,
             delay: 0.0,
             range: None,
+            uncertainty: None,
         }
     }
 
@@ -114,7 +117,8 @@ impl Channel {
     /// The same channel for values that are in SI already.
     #[must_use]
     pub fn in_si(&self) -> Self {
-        Self { range: self.si_range(), ..Self::new(self.name.clone(), self.quantity, self.role, self.position) }
+        let (range, uncertainty) = (self.si_range(), self.uncertainty);
+        Self { range, uncertainty, ..Self::new(self.name.clone(), self.quantity, self.role, self.position) }
     }
 }
 

@@ -36,13 +36,13 @@ fn rig(force: f64, exponent: f64) -> Rig {
 }
 
 /// Without noise: two levels before a spring, one before a Hertz contact, and one below contact.
-fn clean(number: usize) -> &'static Record {
+pub fn clean(number: usize) -> &'static Record {
     static RECORDS: [OnceLock<Record>; 4] = [const { OnceLock::new() }; 4];
     let (force, exponent) = [(6.0, 1.0), (10.0, 1.0), (8.0, 1.5), (1.2, 1.0)][number];
     RECORDS[number].get_or_init(|| rig(force, exponent).record("rig", 5.0, SAMPLES, 1))
 }
 
-fn settings() -> ExtractionSettings {
+pub fn settings() -> ExtractionSettings {
     ExtractionSettings {
         linear_modes: Some(modes()),
         stop: Some(Stop { position: 0.5, gap: GAP, positive: true }),
@@ -51,12 +51,12 @@ fn settings() -> ExtractionSettings {
     }
 }
 
-fn at(record: &Record, name: &str) -> usize {
+pub fn at(record: &Record, name: &str) -> usize {
     record.channels.iter().position(|channel| channel.name == name).unwrap()
 }
 
 /// With noise of this share of the root mean square in each channel, and of `cell` newtons in the force cell.
-fn noisy(record: &Record, share: f64, cell: f64, seed: u64) -> Record {
+pub fn noisy(record: &Record, share: f64, cell: f64, seed: u64) -> Record {
     let mut record = record.clone();
     let mut normal = Normal::new(seed);
     for (channel, samples) in record.channels.iter().zip(&mut record.samples) {
@@ -67,12 +67,12 @@ fn noisy(record: &Record, share: f64, cell: f64, seed: u64) -> Record {
     record
 }
 
-fn extracted(record: &Record) -> RecordExtraction {
+pub fn extracted(record: &Record) -> RecordExtraction {
     extract(record, &settings()).unwrap()
 }
 
 /// Names of the findings but that the drive point, where higher modes take part, is a degree off phase resonance.
-fn names(found: &RecordExtraction) -> Vec<&'static str> {
+pub fn names(found: &RecordExtraction) -> Vec<&'static str> {
     found.findings.iter().map(Finding::name).filter(|name| *name != "not-locked").collect()
 }
 
@@ -318,7 +318,9 @@ fn lost_and_doubled_samples_leave_the_frequency_and_are_said() {
         for (record, count) in [(short, lost as f64), (long, -1.0)] {
             let found = extracted(&record);
             let told = found.findings.iter().find_map(|finding| match finding {
-                Finding::LostSamples { samples, from, to } => Some((*samples, (*from..*to).contains(&at))),
+                Finding::LostSamples { channel: None, samples, from, to } => {
+                    Some((*samples, (*from..*to).contains(&at)))
+                }
                 _ => None,
             });
             assert_eq!(told, Some((count, true)), "{number}: {:?}", found.findings);

@@ -2,6 +2,7 @@
 //! more.
 
 mod disturbed;
+mod disturbed_more;
 mod files;
 mod findings;
 mod headers;

@@ -129,6 +129,7 @@ fn channel(raw: &RawChannel, path: &str, diagnostics: &mut Diagnostics<'_>) -> O
         sign: f64::from(raw.sign.unwrap_or(1)),
         sensitivity: raw.sensitivity.unwrap_or(1.0),
         delay: raw.delay_s.unwrap_or(0.0),
+        uncertainty: raw.uncertainty,
         range: raw.range,
         ..Channel::new(raw.name.clone(), quantity, role, raw.position_m)
     })
@@ -247,7 +248,8 @@ fn settings(
     }
     let stop = raw.stop.as_ref().map(stop);
     let mode_errors = raw.linear_modes.as_ref().map_or_else(ModeErrors::default, mode_errors);
-    Some(ExtractionSettings { linear_modes: modes, mode_errors, stop, ..self::extraction(extraction) })
+    let shape_error = raw.linear_modes.as_ref().and_then(|modes| modes.shape_uncertainty).unwrap_or(0.0);
+    Some(ExtractionSettings { linear_modes: modes, mode_errors, shape_error, stop, ..self::extraction(extraction) })
 }
 
 fn mode_errors(raw: &RawLinearModes) -> ModeErrors {

@@ -127,6 +127,10 @@ pub struct RawChannel {
     pub delay_s: Option<f64>,
     /// Measuring range of the sensor, [smallest, largest], in `unit`
     pub range: Option<[f64; 2]>,
+    /// Relative standard error of the sensitivity. It becomes part of those of all results, and of how closely the
+    /// channel is compared with the others (5 % if left out)
+    #[schemars(extend("minimum" = 0.0, "maximum" = 1.0))]
+    pub uncertainty: Option<f64>,
 }
 
 /// Mass-normalised linear modes.
@@ -144,7 +148,8 @@ pub struct RawLinearModes {
     /// Relative standard error of the damping ratios
     #[schemars(extend("default" = 0.1, "minimum" = 0.0, "maximum" = 1.0))]
     pub damping_uncertainty: Option<f64>,
-    /// Relative standard error of the shapes at each position
+    /// Relative standard error of the shapes at each position; where it is given, modal amplitude and damping have it
+    /// in theirs too
     #[schemars(extend("default" = 0.01, "minimum" = 0.0, "maximum" = 1.0))]
     pub shape_uncertainty: Option<f64>,
     /// Positions of the rows of `shapes`

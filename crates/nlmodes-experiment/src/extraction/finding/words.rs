@@ -35,6 +35,7 @@ impl Finding {
             Self::Offset { .. } => "offset",
             Self::CellRings { .. } => "cell-rings",
             Self::CellLate { .. } => "cell-late",
+            Self::CellDisagrees { .. } => "cell-disagrees",
             Self::ContactCurved { .. } => "contact-curved",
             Self::GapElsewhere { .. } => "gap-elsewhere",
             Self::DisplacementDrift { .. } => "displacement-drift",
@@ -175,6 +176,12 @@ impl fmt::Display for Finding {
                  channel that is late, or a slow force cell; stiffness and gap depend on it",
                 1e6 * delay
             ),
+            Self::CellDisagrees { channel, peak, balance, uncertainty } => write!(
+                f,
+                "channel \"{channel}\" has a peak of {peak:.4} N, the balance of the linear modes gives {balance:.4} N \
+                    ± {uncertainty:.2} N: a force cell that saturates or is off in scale, or linear modes that are not \
+                    those of the structure"
+            ),
             Self::ContactCurved { channel, exponent } => {
                 let cause = if *exponent > 1.0 {
                     "the contact stiffens as it is pressed, as that of Hertz (1.5)"
@@ -199,11 +206,12 @@ impl fmt::Display for Finding {
                 "the mean of channel \"{channel}\" drifts by {:+.2} µm over the periods; the drift is taken out",
                 1e6 * change
             ),
-            Self::LostSamples { samples, from, to } => {
+            Self::LostSamples { channel, samples, from, to } => {
                 let way = if *samples < 0.0 { "occur twice" } else { "are lost" };
+                let of = channel.as_ref().map_or(String::new(), |name| format!(" of channel \"{name}\" alone"));
                 write!(
                     f,
-                    "{} samples {way} between samples {from} and {to}; the longer part beside them is used",
+                    "{} samples{of} {way} between samples {from} and {to}; the longer part beside them is used",
                     samples.abs()
                 )
             }

@@ -15,16 +15,22 @@ const DRAWS: usize = 400;
 const SEED: u64 = 1;
 
 impl ForceBalance<'_> {
-    /// Harmonics of the force with modes that are each off by its own error.
-    pub(super) fn drawn(&self, shares: &[Vec<f64>]) -> Vec<Vec<Complex64>> {
+    /// Harmonics of the force with modes and sensors that are each off by its own error.
+    pub(super) fn drawn(&self, shares: &[Vec<Complex64>]) -> Vec<Vec<Complex64>> {
         let errors = self.errors;
-        if errors.frequency == 0.0 && errors.damping == 0.0 && errors.shape == 0.0 {
+        let is_exact = errors.frequency == 0.0 && errors.damping == 0.0 && errors.shape == 0.0;
+        if is_exact && self.sensors.iter().all(|error| *error == 0.0) {
             return vec![];
         }
         let mut random = Xoshiro256PlusPlus::seed_from_u64(SEED);
         let draw = |_| {
-            let table = self.table(&self.off(&mut random)?)?;
-            Some(self.again(&table, &self.blocks.all, shares))
+            let table = self.table(self.off(&mut random)?);
+            let scaled = |(q, error): (&Vec<Complex64>, &f64)| {
+                let normal: f64 = if *error > 0.0 { StandardNormal.sample(&mut random) } else { 0.0 };
+                q.iter().map(|q| q * (1.0 + error * normal)).collect()
+            };
+            let coefficients: Vec<Vec<Complex64>> = self.blocks.all.iter().zip(&self.sensors).map(scaled).collect();
+            Some(self.again(&table, &coefficients, shares))
         };
         (0..DRAWS).filter_map(draw).collect()
     }

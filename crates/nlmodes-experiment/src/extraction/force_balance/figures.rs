@@ -53,7 +53,7 @@ struct Period {
 impl ForceBalance<'_> {
     /// The figures; `None` where what the modes lack is within their errors.
     pub fn figures(&self) -> Option<BalanceFigures> {
-        let table = self.table(self.modes)?;
+        let table = self.table(self.modes.clone());
         let harmonics = self.harmonics(&table);
         let weights = Self::weights(&harmonics);
         let period = self.period(&table, &harmonics, &weights)?;
@@ -119,7 +119,7 @@ impl ForceBalance<'_> {
         };
         // From its lowest to its highest value a harmonic goes twice its amplitude.
         let swing = 2.0 * (2.0 * (error(&harmonics.by_noise) + error(&harmonics.by_modes))).sqrt();
-        let motion = self.at_stop(table);
+        let motion = self.at_stop(table, harmonics);
         let has_mean = motion[0] != Complex64::default();
         let rate = |(n, q): (usize, &Complex64)| Complex64::new(0.0, n as f64 * self.omega) * q;
         let velocity: Vec<Complex64> = motion.iter().enumerate().map(rate).take(used + 1).collect();
@@ -157,16 +157,19 @@ impl ForceBalance<'_> {
     }
 
     /// Displacement toward the stop: of the sensor there, or of the modes; without a mean where nothing measures it.
-    fn at_stop(&self, table: &Table) -> Vec<Complex64> {
+    fn at_stop(&self, table: &Table, harmonics: &Harmonics) -> Vec<Complex64> {
         let q = &self.blocks.all;
         let own = find(self.places, self.settings.position).map(|i| &self.places[i]);
         let of = |n: usize| match own {
             Some(place) => self.side() * displacement(place, q, &self.blocks.noise, self.omega, n),
             None if n == 0 => Complex64::default(),
-            None => {
-                let eta = table.at_places.project(&self.motion(q, n));
-                eta.iter().zip(&table.stop).map(|(eta, stop)| eta * *stop).sum()
-            }
+            None => match &table.at_places {
+                Some(modes) => {
+                    let eta = modes.project(&self.motion(q, n));
+                    eta.iter().zip(&table.stop).map(|(eta, stop)| eta * *stop).sum()
+                }
+                None => self.at_stop_by_forces(table, harmonics.force[n - 1], n),
+            },
         };
         (0..=self.last()).map(of).collect()
     }
