@@ -32,6 +32,7 @@ mod table;
 mod tdms;
 mod time_axis;
 mod uff;
+mod uneven;
 mod unit;
 mod wav;
 
@@ -53,4 +54,5 @@ pub use uff::{
     Abscissa, Axis, ByteOrder, Dataset58, Node, Ordinates, Precision, Storage, UffError, read_uff, read_uff58,
     write_uff, write_uff58,
 };
+pub use uneven::TimeAxis;
 pub use wav::{read_wav, write_wav};

@@ -17,7 +17,7 @@ pub use files::FILES;
 pub use follow::FollowRow;
 pub use gradients::{GRADIENT_COLUMNS, GradientCells, GradientColumns};
 pub use points::{AppropriationRow, BranchRow, ContactRow, ParticipationRow, ResponseOf, ResponseRow};
-pub use records::{DecayRow, ModalPointRow};
+pub use records::{DecayRow, HarmonicDampingRow, ModalPointRow};
 pub use row::{Cell, Cells, Known, Numbered, Row, Sometimes};
 pub use transient::TouchRow;
 

@@ -2,6 +2,7 @@
 
 mod decay;
 pub(crate) mod figures;
+mod harmonics;
 mod modes;
 pub(crate) mod page;
 mod segments;
@@ -248,6 +249,7 @@ fn write(scene: &RecordScene, outcomes: &[RecordOutcome], laid: &[Laid]) -> Resu
     let directory = &scene.output_directory;
     let modes = scene.settings.linear_modes.as_ref().map_or(0, |modes| modes.n_modes());
     table_with(outcomes, modes).write(&directory.join("modal_points.csv"))?;
+    harmonics::write(directory, outcomes)?;
     summary::write(directory, scene, outcomes)?;
     let mut drawn = figures::write(directory, &scene.title, outcomes, laid)?;
     drawn.extend(decay::write(directory, &scene.title, outcomes)?);

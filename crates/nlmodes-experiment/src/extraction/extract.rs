@@ -271,7 +271,7 @@ impl Analysis<'_> {
         };
         let contact = evidence.figures(self.settings.stop.as_ref(), &mut findings);
         let (excitation, modal) =
-            (repeated.excitation(), repeated.modal(method.modes.as_ref(), self.settings.mode_errors, omega.value));
+            (repeated.excitation(), repeated.modal(method.modes.as_ref(), self.settings.mode_errors));
         let judgement = Judgement {
             record: self.record,
             settings: self.settings,

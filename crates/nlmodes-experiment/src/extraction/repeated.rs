@@ -1,6 +1,6 @@
 //! Values of all periods with those of single ones: what they scatter, and what the sampling rate leaves open.
 
-use nlmodes_modal::{LinearDissipation, LinearModes};
+use nlmodes_modal::LinearModes;
 
 use crate::extraction::blocks::Blocks;
 use crate::extraction::values::{Method, Values};
@@ -102,7 +102,15 @@ impl Repeated {
             pbmif: self.indicator()?,
             force: self.measured(|f| f.force)?,
             lag: Measured::angle(self.all.lag?, &lags),
+            modal_lag: self.modal_lag(),
+            phase_indicator: self.measured(|f| f.phase_indicator),
         })
+    }
+
+    /// Lag of the coordinate of the mode.
+    fn modal_lag(&self) -> Option<Measured> {
+        let lags: Vec<f64> = self.single.iter().filter_map(|values| values.modal_lag).collect();
+        Some(Measured::angle(self.all.modal_lag?, &lags))
     }
 
     /// The mode indicator without what noise adds to the apparent power.
@@ -122,9 +130,11 @@ impl Repeated {
     }
 
     /// The modal figures.
-    pub fn modal(&self, modes: Option<&LinearModes>, errors: ModeErrors, omega: f64) -> Option<ModalFigures> {
+    pub fn modal(&self, modes: Option<&LinearModes>, errors: ModeErrors) -> Option<ModalFigures> {
         let (modal, modes) = (self.all.modal.as_ref()?, modes?);
         let factor = |k: usize| self.measured(move |f| Some(f.modal.as_ref()?.participation.factors[k]));
+        let of_harmonic = |n: usize| self.measured(move |f| f.modal.as_ref()?.dissipation.coefficients.get(n).copied());
+        let harmonic_damping = (0..modal.dissipation.coefficients.len()).filter_map(of_harmonic).collect();
         let spreads = (0..modes.n_modes()).map(|k| factor(k).map_or(f64::NAN, |factor| factor.uncertainty));
         Some(ModalFigures {
             amplitude: self.measured(|f| Some(f.modal.as_ref()?.shape.modal_amplitude))?,
@@ -132,7 +142,8 @@ impl Repeated {
             participation: modal.participation.clone(),
             participation_uncertainty: spreads.collect(),
             damping: self.measured(|f| f.modal.as_ref()?.damping),
-            dissipation: LinearDissipation::new(modes, &modal.coordinates, omega),
+            dissipation: modal.dissipation.clone(),
+            harmonic_damping,
             contact_dissipation: self.contact_dissipation(errors),
             kinetic_energy: self.measured(|f| Some(f.modal.as_ref()?.harmonic_energy.iter().sum()))?,
             harmonic_energy: modal.harmonic_energy.clone(),

@@ -50,6 +50,8 @@ pub struct ModalFigures {
     pub damping: Option<Measured>,
     /// Power that the damping ratios of the linear modes dissipate, eqs. (25), (26).
     pub dissipation: LinearDissipation,
+    /// Damping coefficients `δ̃_n` of the harmonics 1, 2 …, eq. (26).
+    pub harmonic_damping: Vec<Measured>,
     /// Power that they do not dissipate of what the force supplies in as many harmonics, eq. (17), W: lost at the
     /// contact, or in modes that are not in the table.
     pub contact_dissipation: Option<Measured>,
@@ -75,6 +77,12 @@ pub struct ExcitationFigures {
     pub force: Measured,
     /// Lag of the drive-point displacement behind the force, rad; π/2 at phase resonance.
     pub lag: Measured,
+    /// Lag of the coordinate of the excited mode behind the force, rad, where linear modes are given: without what other
+    /// modes add to the motion of the drive point.
+    pub modal_lag: Option<Measured>,
+    /// Indicator of phase resonance from all sensors, `1 − Σ |Re x_i||x_i| / Σ |x_i|²` of their fundamentals by the
+    /// phase of the force; one in phase resonance.
+    pub phase_indicator: Option<Measured>,
 }
 
 /// Quantities of the contact.

@@ -1,7 +1,8 @@
 //! The values of one set of Fourier coefficients: of all periods, or of a single one.
 
 use nlmodes_modal::{
-    HarmonicCoefficients, LinearModes, ModalError, NonlinearModeShape, Participation, PhaseAnchor, damping_coefficient,
+    HarmonicCoefficients, LinearDissipation, LinearModes, ModalError, NonlinearModeShape, Participation, PhaseAnchor,
+    damping_coefficient,
 };
 use num_complex::Complex64;
 
@@ -35,6 +36,10 @@ pub struct Values {
     pub lag: Option<f64>,
     /// Amplitude of the force's fundamental, N.
     pub force: Option<f64>,
+    /// Lag of the coordinate of the mode behind the force, rad.
+    pub modal_lag: Option<f64>,
+    /// Share of the fundamental at all places that is in phase resonance with the force.
+    pub phase_indicator: Option<f64>,
     pub modal: Option<Modal>,
 }
 
@@ -49,6 +54,8 @@ pub struct Modal {
     pub damping: Option<f64>,
     /// Power that the damping ratios take in the harmonics of the power, W.
     pub dissipated: f64,
+    /// The same harmonic by harmonic of the shape, with the damping of each.
+    pub dissipation: LinearDissipation,
     /// Kinetic energy of each harmonic, averaged over a period, J.
     pub harmonic_energy: Vec<f64>,
 }
@@ -73,7 +80,15 @@ impl Method<'_> {
             self.modal(modes, &motion, anchor, power.as_ref()).map(|modal| Modal { dissipated, ..modal })
         });
         let modal = modal.transpose()?;
-        Ok(Values { motion, power, lag, force: force.map(|force| force[1].norm()), modal })
+        let modal_lag = force.zip(modal.as_ref()).map(|(force, modal)| {
+            let coordinate = modal.coordinates.of(self.mode)[1];
+            // A shape has the sign of its table: that of the coordinate is the one next to the drive point's motion.
+            let same = lag.is_none_or(|lag| (force[1] / coordinate * Complex64::cis(-lag)).re >= 0.0);
+            (force[1] / if same { coordinate } else { -coordinate }).arg()
+        });
+        let phase_indicator = force.and_then(|force| phase_indicator(&motion, force[1]));
+        let force = force.map(|force| force[1].norm());
+        Ok(Values { motion, power, lag, force, modal_lag, phase_indicator, modal })
     }
 
     /// Power that damping ratios take in a harmonic of modal coordinates, eq. (25), W.
@@ -144,6 +159,17 @@ impl Method<'_> {
         let damping = power.map(|power| damping_coefficient(power.fundamental, shape.modal_amplitude, self.omega));
         let energy = |n: usize| 0.25 * (n as f64 * self.omega).powi(2) * square(n);
         let harmonic_energy = (0..=self.harmonics).map(energy).collect();
-        Ok(Modal { shape, coordinates, participation, damping, dissipated: 0.0, harmonic_energy })
+        let dissipation = LinearDissipation::new(modes, &coordinates, self.omega);
+        Ok(Modal { shape, coordinates, participation, damping, dissipated: 0.0, dissipation, harmonic_energy })
     }
+}
+
+/// `1 − Σ |Re x_i||x_i| / Σ |x_i|²` of the fundamentals at all places, by their phases against the force: one where all
+/// of them are a quarter of a turn from it, as in a single mode at resonance. `None` without places or motion.
+fn phase_indicator(motion: &HarmonicCoefficients, force: Complex64) -> Option<f64> {
+    let turned = |d: usize| motion.of(d).get(1).map_or(Complex64::default(), |x| x * force.conj() / force.norm());
+    let all: Vec<Complex64> = (0..motion.n_coordinates()).map(turned).collect();
+    let size: f64 = all.iter().map(Complex64::norm_sqr).sum();
+    let off: f64 = all.iter().map(|x| x.re.abs() * x.norm()).sum();
+    (size > 0.0).then_some(1.0 - off / size)
 }

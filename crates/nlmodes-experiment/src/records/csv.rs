@@ -6,7 +6,7 @@ use csv::{Reader, ReaderBuilder, StringRecord, Terminator, WriterBuilder};
 
 use crate::records::limits::{MAX_CHANNELS, read_all};
 use crate::records::sample_rate::Digits;
-use crate::records::{Column, Declared, Record, RecordError, RecordTable, SampleRate, Start};
+use crate::records::{Column, Declared, Record, RecordError, RecordTable, TimeAxis};
 
 /// Name of the time column that is written.
 pub const TIME_COLUMN: &str = "time_s";
@@ -30,9 +30,8 @@ pub fn read_csv(source: impl Read, time_column: Option<&str>) -> Result<RecordTa
     let names = header(&mut reader)?;
     let (mut columns, times) = rows(&mut reader, &names, time_column, separator)?;
     if let Some((values, rounding)) = times {
-        let rate = SampleRate::of_times(&values, rounding)?;
-        let start = values.first().map(|at| Start { at: *at, rounding });
-        columns.iter_mut().for_each(|column| (column.rate, column.start) = (Some(rate), start));
+        let axis = TimeAxis::new(&values, rounding, rounding)?;
+        columns.iter_mut().for_each(|column| axis.put(column));
     }
     Ok(RecordTable { columns, named: true })
 }

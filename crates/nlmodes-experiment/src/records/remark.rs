@@ -17,6 +17,11 @@ pub enum Remark {
         /// Samples that all have in common.
         samples: usize,
     },
+    /// The instants of the samples are uneven: values at even ones were taken.
+    UnevenTimes {
+        /// Largest deviation from an even axis, over the sampling interval.
+        deviation: f64,
+    },
     /// The unit in a file contradicts the scene, or the file itself.
     HeaderDisagrees {
         /// Name of the channel.
@@ -31,6 +36,7 @@ impl Remark {
     pub fn name(&self) -> &'static str {
         match self {
             Self::StartsDiffer { .. } => "starts-differ",
+            Self::UnevenTimes { .. } => "uneven-times",
             Self::HeaderDisagrees { .. } => "header-disagrees",
         }
     }
@@ -44,6 +50,11 @@ impl fmt::Display for Remark {
                 "channel \"{channel}\" begins at {start} s, \"{first}\" at {first_start} s: the {samples} samples are \
                     taken that all \
                  channels have in common"
+            ),
+            Self::UnevenTimes { deviation } => write!(
+                f,
+                "the time stamps are up to {deviation:.2} sampling intervals from an even axis: values at even instants \
+                    are taken, by polynomials through the samples about them"
             ),
             Self::HeaderDisagrees { channel, header } => write!(f, "channel \"{channel}\": the file says {header}"),
         }

@@ -1,7 +1,12 @@
-use crate::records::{Channel, Declared, Flag, Quantity, Record, RecordError, Role, SampleRate, Start, common_time};
+use crate::records::{
+    Channel, Declared, Flag, Quantity, Record, RecordError, Remark, Role, SampleRate, Start, common_time,
+};
 
 /// Relative difference of sampling rates within a file that counts as agreement.
 const AGREEMENT: f64 = 1e-6;
+
+/// The same of a declared rate and the mean one of uneven instants.
+const ROUGHLY: f64 = 0.02;
 
 /// The numbers of a file before its channels are described.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,6 +32,9 @@ pub struct Column {
     pub declared: Declared,
     /// Recorded numbers.
     pub values: Vec<f64>,
+    /// By how many intervals the instants of the samples were off an even time axis, where these are values between
+    /// them.
+    pub uneven: Option<f64>,
 }
 
 /// Described channels with their columns.
@@ -36,7 +44,7 @@ impl Column {
     /// A column with only its name known.
     pub fn new(name: impl Into<String>, values: Vec<f64>) -> Self {
         let name = name.into();
-        Self { name, aliases: vec![], rate: None, start: None, declared: Declared::default(), values }
+        Self { name, aliases: vec![], rate: None, start: None, declared: Declared::default(), values, uneven: None }
     }
 
     /// All names under which it can be found.
@@ -85,6 +93,8 @@ impl RecordTable {
             channel.scale()?;
             column.declared.check(channel, &mut remarks)?;
         }
+        let uneven = picked.iter().filter_map(|(_, column)| column.uneven).reduce(f64::max);
+        remarks.extend(uneven.map(|deviation| Remark::UnevenTimes { deviation }));
         let n_channels = picked.len();
         picked.extend(flags);
         let start = picked.iter().filter_map(|(_, column)| Some(column.start?.at)).reduce(f64::max).unwrap_or(0.0);
@@ -190,6 +200,10 @@ fn common_rate(picked: &[(Channel, Column)], declared: Option<f64>) -> Result<Sa
             });
         }
     }
+    // The rate of even instants among uneven ones is the mean one, however the recorder was set.
+    let is_uneven = picked.iter().any(|(_, column)| column.uneven.is_some());
+    let declared = declared
+        .filter(|declared| !best.is_some_and(|(_, rate)| is_uneven && (rate.hz / declared - 1.0).abs() < ROUGHLY));
     let rate = match (declared, best) {
         (Some(declared), Some((_, rate))) => SampleRate::exact(rate.agree(declared)?),
         (Some(declared), None) => SampleRate::exact(declared),

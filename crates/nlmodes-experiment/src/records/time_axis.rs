@@ -46,7 +46,7 @@ pub fn interval(times: &[f64], rounding: f64) -> Result<(f64, f64), RecordError>
 }
 
 /// Slope of the line of least squares over the numbers of the stamps.
-fn slope(times: &[f64]) -> f64 {
+pub(super) fn slope(times: &[f64]) -> f64 {
     let centre = 0.5 * (times.len() - 1) as f64;
     let mean = times.iter().sum::<f64>() / times.len() as f64;
     let (mut square, mut product) = (0.0, 0.0);
@@ -59,7 +59,7 @@ fn slope(times: &[f64]) -> f64 {
 }
 
 /// Range of the stamps about a line of this slope, with the numbers of the lowest and the highest one.
-fn span(times: &[f64], slope: f64) -> (f64, usize, usize) {
+pub(super) fn span(times: &[f64], slope: f64) -> (f64, usize, usize) {
     let rest = |j: usize| times[j] - times[0] - slope * j as f64;
     let (mut low, mut high) = (0, 0);
     for j in 1..times.len() {

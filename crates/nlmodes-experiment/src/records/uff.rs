@@ -24,7 +24,7 @@ use std::io::{Read, Write};
 
 use crate::records::limits::{MAX_CHANNELS, read_all};
 use crate::records::{
-    Column, Declared, DeclaredQuantity, Quantity, Record, RecordError, RecordTable, SampleRate, Start, unit,
+    Column, Declared, DeclaredQuantity, Quantity, Record, RecordError, RecordTable, SampleRate, Start, TimeAxis, unit,
 };
 
 /// Abscissa of time, in the codes of the format.
@@ -61,9 +61,11 @@ fn column(dataset: Dataset58) -> Result<Column, RecordError> {
         unit: dataset.ordinate_axis.unit,
         system: dataset.units,
     };
-    let (rate, start) = match dataset.abscissa {
+    let mut column = Column { aliases: names, declared, ..Column::new(name.clone(), values) };
+    match dataset.abscissa {
         Abscissa::Even { first, step, rounding, first_rounding } if step > 0.0 => {
-            (SampleRate::of_interval(step * seconds, rounding * seconds), (first, first_rounding))
+            column.rate = Some(SampleRate::of_interval(step * seconds, rounding * seconds));
+            column.start = Some(Start { at: first * seconds, rounding: first_rounding * seconds });
         }
         Abscissa::Even { step, .. } => return Err(UffError::Step { name, step }.into()),
         Abscissa::Uneven { values, rounding } => {
@@ -72,11 +74,10 @@ fn column(dataset: Dataset58) -> Result<Column, RecordError> {
             let first = values.first().copied().unwrap_or_default();
             // Digits are significant ones: those of a small value are finer.
             let own = if largest > 0.0 { rounding * first.abs() / largest } else { rounding };
-            (SampleRate::of_times(&times, rounding * seconds)?, (first, own))
+            TimeAxis::new(&times, rounding * seconds, own * seconds)?.put(&mut column);
         }
-    };
-    let start = Some(Start { at: start.0 * seconds, rounding: start.1 * seconds });
-    Ok(Column { aliases: names, rate: Some(rate), start, declared, ..Column::new(name, values) })
+    }
+    Ok(column)
 }
 
 /// Seconds in the unit of an abscissa; one where it has none.

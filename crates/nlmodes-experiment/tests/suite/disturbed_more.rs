@@ -218,3 +218,43 @@ fn noise_does_not_lower_the_mode_indicator() {
         assert!(mean.abs() < 0.6, "{share}: {mean}");
     }
 }
+
+/// The lag of the mode's coordinate is free of what other modes add at a drive point near the clamp; the indicator of
+/// all sensors is that of the definition.
+#[test]
+fn all_sensors_tell_the_phase_of_the_mode() {
+    let found = extracted(&noisy(clean(3), 1e-6, 1e-3, 12));
+    let excitation = found.excitation.as_ref().unwrap();
+    // The force follows the velocity of the mode: a quarter of a turn, whatever the drive point does.
+    let modal = excitation.modal_lag.unwrap();
+    assert!((modal.value.to_degrees() - 90.0).abs() < 0.02, "{modal:?}");
+    let drive = excitation.lag.value;
+    assert!((drive.to_degrees() - 90.0).abs() > 0.2, "{}", drive.to_degrees());
+    let indicator = excitation.phase_indicator.unwrap();
+    let at_drive = found.motion.of(0)[1];
+    let phase = at_drive.arg() + drive;
+    let of = |weight: &dyn Fn(f64, f64) -> f64| -> f64 {
+        (0..found.positions.len())
+            .map(|d| {
+                let x = found.motion.of(d)[1];
+                weight(x.norm() * (x.arg() - phase).cos(), x.norm())
+            })
+            .sum()
+    };
+    let expected = 1.0 - of(&|re, size| re.abs() * size) / of(&|_, size| size * size);
+    assert!((indicator.value - expected).abs() < 1e-12 && indicator.value < 1.0, "{indicator:?} {expected}");
+}
+
+/// Eq. (26): the damping of the harmonics is what they dissipate over the same as that of the fundamental.
+#[test]
+fn each_harmonic_has_its_damping_and_its_share_of_the_power() {
+    let found = extracted(&noisy(clean(1), 1e-6, 1e-3, 13));
+    let modal = found.modal.as_ref().unwrap();
+    let q = modal.amplitude.value;
+    let sum: f64 = (1..)
+        .zip(&modal.harmonic_damping)
+        .map(|(n, damping)| f64::from(n).powi(2) * q * q * found.omega.value.powi(3) * damping.value)
+        .sum();
+    assert!((sum / modal.dissipation.total() - 1.0).abs() < 1e-9, "{sum}");
+    assert!(modal.harmonic_damping.len() == 20 && modal.harmonic_damping[1].uncertainty > 0.0);
+}

@@ -1,11 +1,12 @@
 use super::{
     AppropriationRow, BranchRow, Column, ContactRow, DecayRow, DifferenceRow, FileMeaning, FollowRow, GRADIENT_COLUMNS,
-    ModalPointRow, ParticipationRow, ResponseDifferenceRow, ResponseRow, Row, StopDifferenceRow, TouchRow,
+    HarmonicDampingRow, ModalPointRow, ParticipationRow, ResponseDifferenceRow, ResponseRow, Row, StopDifferenceRow,
+    TouchRow,
 };
 use crate::table::{HARMONIC_ARRAYS, HISTORY_ARRAYS, MATLAB_VARIABLES, START_ARRAYS, TRANSIENT_ARRAYS};
 
 /// The results files of a structure, in order of usefulness.
-pub const FILES: [FileMeaning; 29] = [
+pub const FILES: [FileMeaning; 30] = [
     FileMeaning {
         name: "branch.csv",
         meaning: "The branch, one row per point, written as points are found; other branches of a run have \
@@ -63,6 +64,11 @@ pub const FILES: [FileMeaning; 29] = [
         name: "modal_points.csv",
         meaning: "For records and virtual tests, one row per record or level; what a record does not give is empty",
         columns: &[ModalPointRow::COLUMNS],
+    },
+    FileMeaning {
+        name: "damping_by_harmonic.csv",
+        meaning: "For records with linear modes, the damping of each harmonic, one row per record and harmonic",
+        columns: &[HarmonicDampingRow::COLUMNS],
     },
     FileMeaning {
         name: "decay.csv",

@@ -19,6 +19,12 @@ row! {
         lag_deg: Option<f64>, "°",
             "by how much the displacement of the drive point lags the force in the first harmonic; 90 at phase \
              resonance";
+        modal_lag_deg: Option<f64>, "°",
+            "the same of the coordinate of the excited linear mode, from all sensors: without what other modes add to \
+             the motion of the drive point";
+        phase_indicator: Option<f64>, "",
+            "from the fundamentals `x_i` of all sensors by the phase of the force: `1 − Σ |Re x_i||x_i| / Σ |x_i|²`, \
+             one in phase resonance";
         pbmif: Option<f64>, "",
             "power-based mode indicator: active over apparent power of the force, one at phase resonance of all \
              harmonics";
@@ -58,6 +64,8 @@ row! {
         modal_amplitude_uncertainty: Option<f64>, "m √kg", "the same";
         damping_uncertainty: Option<f64>, "", "the same";
         lag_deg_uncertainty: Option<f64>, "°", "the same";
+        modal_lag_deg_uncertainty: Option<f64>, "°", "the same";
+        phase_indicator_uncertainty: Option<f64>, "", "the same";
         pbmif_uncertainty: Option<f64>, "", "the same";
         peak_contact_force_n_uncertainty: Option<f64>, "N", "the same";
         contact_stiffness_n_m_uncertainty: Option<f64>, "N/m", "the same, with one impact left out at a time";
@@ -73,6 +81,20 @@ row! {
         participation_uncertainty "participation_…_uncertainty": Numbered<Option<f64>>, "", "the same";
         findings: String, "",
             "names of what is wrong with the record, separated by spaces; `summary.json` has each in words";
+    }
+}
+
+row! {
+    /// A harmonic of a record, of `damping_by_harmonic.csv`.
+    HarmonicDampingRow {
+        record: String, "", "name of the record";
+        segment: Sometimes<String>, "", "of records with several levels: which of them";
+        harmonic: usize, "", "number of the harmonic";
+        damping: f64, "",
+            "damping coefficient of the harmonic, eq. (26): `Σ ζ_k ω_k |η_k,n|² / (ω q̃²)` of the linear modes";
+        linear_dissipation_w: f64, "W", "power that the damping ratios of the linear modes take in it, eq. (25)";
+        energy_j: f64, "J", "kinetic energy of the harmonic, averaged over a period";
+        damping_uncertainty: Option<f64>, "", "standard error, over the single periods";
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use nlmodes::experiment::records::{Column, Record, RecordError, RecordTable, Recording, SampleRate, Start};
+use nlmodes::experiment::records::{Column, Record, RecordError, RecordTable, Recording, TimeAxis};
 use nlmodes_io::{Address, NumberArray, read_arrays};
 use nlmodes_scene::RecordScene;
 
@@ -92,11 +92,9 @@ fn take_time(table: &mut RecordTable, time: &str) -> Result<(), RecordError> {
     };
     let times = table.columns.remove(at).values;
     let largest = times.iter().fold(0.0, |m: f64, t| m.max(t.abs()));
-    let rate = SampleRate::of_times(&times, f64::EPSILON * largest)?;
-    let start = times.first().map(|first| Start { at: *first, rounding: f64::EPSILON * largest });
-    for column in table.columns.iter_mut().filter(|column| column.values.len() == times.len()) {
-        (column.rate, column.start) = (Some(rate), start);
-    }
+    let rounding = f64::EPSILON * largest;
+    let axis = TimeAxis::new(&times, rounding, rounding)?;
+    table.columns.iter_mut().filter(|column| column.values.len() == times.len()).for_each(|column| axis.put(column));
     Ok(())
 }
 

@@ -115,6 +115,9 @@ fn row(found: &RecordExtraction, modes: usize) -> ModalPointRow {
     let [modal_amplitude, modal_amplitude_uncertainty] = both(modal.map(|m| m.amplitude));
     let [damping, damping_uncertainty] = both(modal.and_then(|m| m.damping));
     let [lag_deg, lag_deg_uncertainty] = both(excitation.map(|e| e.lag.times(1f64.to_degrees())));
+    let modal_lag = excitation.and_then(|e| e.modal_lag);
+    let [modal_lag_deg, modal_lag_deg_uncertainty] = both(modal_lag.map(|lag| lag.times(1f64.to_degrees())));
+    let [phase_indicator, phase_indicator_uncertainty] = both(excitation.and_then(|e| e.phase_indicator));
     let [pbmif, pbmif_uncertainty] = both(excitation.map(|e| e.pbmif));
     let [peak_contact_force_n, peak_contact_force_n_uncertainty] = both(contact.map(|c| c.peak_force));
     let [contact_stiffness_n_m, contact_stiffness_n_m_uncertainty] =
@@ -140,6 +143,8 @@ fn row(found: &RecordExtraction, modes: usize) -> ModalPointRow {
         modal_amplitude,
         damping,
         lag_deg,
+        modal_lag_deg,
+        phase_indicator,
         pbmif,
         pbmif_harmonics: excitation.map(|e| e.power.harmonics),
         participation: first(modal.map(|m| &m.participation.factors), modes),
@@ -166,6 +171,8 @@ fn row(found: &RecordExtraction, modes: usize) -> ModalPointRow {
         modal_amplitude_uncertainty,
         damping_uncertainty,
         lag_deg_uncertainty,
+        modal_lag_deg_uncertainty,
+        phase_indicator_uncertainty,
         pbmif_uncertainty,
         peak_contact_force_n_uncertainty,
         contact_stiffness_n_m_uncertainty,
