@@ -32,6 +32,7 @@ mod judgement;
 mod layout;
 mod loss;
 mod measured;
+mod missing;
 mod phase_grid;
 mod power;
 mod quadrature;

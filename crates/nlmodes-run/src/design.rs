@@ -64,6 +64,10 @@ pub struct Control {
     pub proportional_1_s: Option<f64>,
     /// Integral gain, 1/s².
     pub integral_1_s2: Option<f64>,
+    /// Phase margin below contact, of structure, exciter and sensor filters together, degrees.
+    pub phase_margin_deg: Option<f64>,
+    /// Frequency of unit loop gain, Hz.
+    pub crossover_hz: Option<f64>,
     /// Sampling rate, Hz.
     pub sample_rate_hz: f64,
 }
@@ -185,7 +189,10 @@ pub fn write(design: &Design, directory: &Path) -> Result<(), Failure> {
 fn control(rig: &Rig, scene: &TestScene) -> Control {
     let settings = &rig.control;
     let gains = PhaseLockedLoop::new(settings.clone()).ok().map(|control| control.gains());
+    let margin = gains.and_then(|gains| rig.phase_margin(gains));
     Control {
+        phase_margin_deg: margin.map(|margin| margin.degrees),
+        crossover_hz: margin.map(|margin| margin.crossover / TAU),
         start_frequency_hz: settings.start / TAU,
         cut_off_hz: settings.cut_off / TAU,
         proportional_1_s: gains.map(|gains| gains.proportional),

@@ -10,6 +10,7 @@ use crate::extraction::guess::strongest_frequency;
 use crate::extraction::judgement::Judgement;
 use crate::extraction::layout::{Layout, Place, modes_at, row_at};
 use crate::extraction::measured::spread;
+use crate::extraction::missing::Missing;
 use crate::extraction::repeated::{CommonErrors, Repeated, rate_deviation};
 use crate::extraction::values::Method;
 use crate::extraction::window::Window;
@@ -245,10 +246,12 @@ impl Analysis<'_> {
         }
         let omega = self.frequency(&drift, omega, record_omega, &mut findings);
         let (modes, shape_places) = self.modes(&mut findings)?;
+        let missing = self.missing(modes.as_ref(), &shape_places);
         let method = Method {
             layout: &self.layout,
             shape_places,
             modes,
+            missing,
             mode: self.settings.mode - 1,
             omega: omega.value,
             noise: &blocks.noise,
@@ -319,6 +322,22 @@ impl Analysis<'_> {
             balance,
             findings,
         })
+    }
+
+    /// The modes that the places do not tell apart, where the forces that drive them are known.
+    fn missing(&self, modes: Option<&nlmodes_modal::LinearModes>, places: &[Place]) -> Option<Missing> {
+        let (given, known) = (self.settings.linear_modes.as_ref()?, modes?.n_modes());
+        let row = |position: f64| row_at(given.positions(), position);
+        let rows = places.iter().map(|place| row(place.position?)).collect::<Option<Vec<_>>>()?;
+        let force = self.layout.force?;
+        let drive = row(self.record.channels[force].position.or(self.layout.drive.as_ref()?.position)?)?;
+        let stop = match (self.settings.stop, self.layout.contact) {
+            (Some(stop), Some(contact)) => Some((row(stop.position)?, contact, if stop.positive { 1.0 } else { -1.0 })),
+            // A stop whose force is not known drives them, too.
+            (Some(_), None) => return None,
+            (None, _) => None,
+        };
+        (known < given.n_modes()).then(|| Missing::new(given, known, &rows, (drive, force), stop))
     }
 
     /// The contact without its force, where the modes are known at the stop and where the force acts.
@@ -423,6 +442,11 @@ impl Analysis<'_> {
             omega: omega_error(omega, self.record.rate_error),
             channels: self.record.channels.iter().map(|channel| channel.uncertainty.unwrap_or(0.0)).collect(),
             shape: self.settings.shape_error,
+            // Two entries of a shape over the square of a frequency.
+            missing: {
+                let errors = self.settings.mode_errors;
+                (std::f64::consts::SQRT_2 * errors.shape).hypot(2.0 * errors.frequency)
+            },
         }
     }
 

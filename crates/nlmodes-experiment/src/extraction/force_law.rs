@@ -176,18 +176,6 @@ const GIVEN: f64 = 0.04;
 pub fn rings(folded: &Folded, spans: &[Closed]) -> Option<(f64, usize)> {
     let closed: f64 = spans.iter().map(|span| span.leaving - span.touching).sum();
     let open = folded.open_bins(spans, MARGIN * closed);
-    // A cell rings most behind the contact, as long again as that was.
-    let turn = std::f64::consts::TAU;
-    let is_behind = |i: &usize| {
-        let near = |span: &Closed| (folded.phase[*i] - span.leaving).rem_euclid(turn) < span.leaving - span.touching;
-        spans.iter().any(near)
-    };
-    let behind: Vec<usize> = open.iter().copied().filter(is_behind).collect();
-    rings_in(folded, &open).or_else(|| rings_in(folded, &behind))
-}
-
-/// The same of the force in these bins.
-fn rings_in(folded: &Folded, open: &[usize]) -> Option<(f64, usize)> {
     if open.len() < FEWEST {
         return None;
     }

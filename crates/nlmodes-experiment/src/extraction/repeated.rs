@@ -35,6 +35,8 @@ pub struct CommonErrors {
     pub channels: Vec<f64>,
     /// Of the shape of the excited mode at each position.
     pub shape: f64,
+    /// Of what missing modes add to the motion.
+    pub missing: f64,
 }
 
 impl CommonErrors {
@@ -49,6 +51,10 @@ impl CommonErrors {
             let mut coefficients = all.to_vec();
             coefficients[i].iter_mut().for_each(|q| *q *= 1.0 + error);
             shifted.push(method.values(&coefficients)?);
+        }
+        for missing in &method.missing {
+            let missing = Some(missing.larger_by(self.missing));
+            shifted.push(Method { missing, ..method.clone() }.values(all)?);
         }
         for modes in method.modes.iter().filter(|_| self.shape > 0.0) {
             for row in 0..modes.n_coordinates() {

@@ -7,6 +7,7 @@ use nlmodes_modal::{
 use num_complex::Complex64;
 
 use crate::extraction::layout::{Layout, Place, displacement, displacement_noise};
+use crate::extraction::missing::Missing;
 use crate::extraction::{ExcitationPower, ExtractionError};
 
 /// What does not change from period to period.
@@ -16,6 +17,8 @@ pub struct Method<'a> {
     /// Places of the mode shape, in the order of the rows of the modes.
     pub shape_places: Vec<Place>,
     pub modes: Option<LinearModes>,
+    /// The modes that the places do not tell apart from these, where the forces are known.
+    pub missing: Option<Missing>,
     /// Number of the mode, from 0.
     pub mode: usize,
     pub omega: f64,
@@ -75,9 +78,24 @@ impl Method<'_> {
         let lag = drive.as_ref().zip(force).map(|(drive, force)| (force[1] / drive[1]).arg());
         let anchor = drive.map(|drive| drive[1].arg());
         let modal = self.modes.as_ref().map(|modes| {
-            let eta = |n: usize| modes.project(&self.shape_places.iter().map(|place| at(place, n)).collect::<Vec<_>>());
-            let dissipated = (1..=self.power_harmonics).map(|n| self.dissipated(modes, &eta(n), n)).sum();
-            self.modal(modes, &motion, anchor, power.as_ref()).map(|modal| Modal { dissipated, ..modal })
+            let known = |n: usize| self.known(coefficients, n);
+            let dissipated = |n: usize| {
+                let (motion, rest) = known(n);
+                let of_rest = self.missing.as_ref().map_or(0.0, |missing| missing.dissipated(&rest, n, self.omega));
+                self.dissipated(modes, &modes.project(&motion), n) + of_rest
+            };
+            let dissipated = (1..=self.power_harmonics).map(dissipated).sum();
+            let mut low = motion.clone();
+            let mut rest = 0.0;
+            for n in 1..=self.harmonics {
+                let (motion, missing) = known(n);
+                motion.into_iter().enumerate().for_each(|(d, q)| low.of_mut(d)[n] = q);
+                if n == 1 {
+                    rest = missing.iter().map(Complex64::norm_sqr).sum();
+                }
+            }
+            let motions = Motions { all: &motion, known: &low, rest };
+            self.modal(modes, &motions, anchor, power.as_ref()).map(|modal| Modal { dissipated, ..modal })
         });
         let modal = modal.transpose()?;
         let modal_lag = force.zip(modal.as_ref()).map(|(force, modal)| {
@@ -89,6 +107,16 @@ impl Method<'_> {
         let phase_indicator = force.and_then(|force| phase_indicator(&motion, force[1]));
         let force = force.map(|force| force[1].norm());
         Ok(Values { motion, power, lag, force, modal_lag, phase_indicator, modal })
+    }
+
+    /// Displacement at the places of the shape without what missing modes add to it, and their coordinates.
+    fn known(&self, coefficients: &[Vec<Complex64>], n: usize) -> (Vec<Complex64>, Vec<Complex64>) {
+        let at = |place: &Place| displacement(place, coefficients, self.noise, self.omega, n);
+        let mut motion: Vec<Complex64> = self.shape_places.iter().map(at).collect();
+        let Some(missing) = &self.missing else { return (motion, vec![]) };
+        let rest = missing.coordinates(coefficients, n, self.omega);
+        motion.iter_mut().enumerate().for_each(|(d, q)| *q -= missing.at(d, &rest));
+        (motion, rest)
     }
 
     /// Power that damping ratios take in a harmonic of modal coordinates, eq. (25), W.
@@ -147,14 +175,19 @@ impl Method<'_> {
     fn modal(
         &self,
         modes: &LinearModes,
-        motion: &HarmonicCoefficients,
+        motions: &Motions<'_>,
         anchor: Option<f64>,
         power: Option<&ExcitationPower>,
     ) -> Result<Modal, ModalError> {
-        let coordinates = modes.modal_coordinates(motion);
+        let coordinates = modes.modal_coordinates(motions.known);
         let phase = anchor.unwrap_or_else(|| coordinates.of(self.mode)[1].arg());
-        let shape = NonlinearModeShape::new(motion, |q| modes.mass_norm_squared(q), PhaseAnchor::Phase(phase))?;
-        let participation = Participation::new(&modes.modal_coordinates(&shape.harmonics), 1..=self.harmonics);
+        let fundamental: f64 = (0..modes.n_modes()).map(|k| coordinates.of(k)[1].norm_sqr()).sum();
+        let of = |motion: &HarmonicCoefficients| {
+            NonlinearModeShape::new(motion, |_| fundamental + motions.rest, PhaseAnchor::Phase(phase))
+        };
+        let shape = of(motions.all)?;
+        let participation =
+            Participation::new(&modes.modal_coordinates(&of(motions.known)?.harmonics), 1..=self.harmonics);
         let square = |n: usize| (0..modes.n_modes()).map(|k| coordinates.of(k)[n].norm_sqr()).sum::<f64>();
         let damping = power.map(|power| damping_coefficient(power.fundamental, shape.modal_amplitude, self.omega));
         let energy = |n: usize| 0.25 * (n as f64 * self.omega).powi(2) * square(n);
@@ -162,6 +195,15 @@ impl Method<'_> {
         let dissipation = LinearDissipation::new(modes, &coordinates, self.omega);
         Ok(Modal { shape, coordinates, participation, damping, dissipated: 0.0, dissipation, harmonic_energy })
     }
+}
+
+/// A motion, and what of it the modes of the method explain.
+struct Motions<'a> {
+    all: &'a HarmonicCoefficients,
+    /// Without what missing modes add.
+    known: &'a HarmonicCoefficients,
+    /// Sum of the squares of the fundamentals of their coordinates, m²·kg.
+    rest: f64,
 }
 
 /// `1 − Σ |Re x_i||x_i| / Σ |x_i|²` of the fundamentals at all places, by their phases against the force: one where all

@@ -189,8 +189,18 @@ fn what_explains_a_slip_as_well_is_told_with_its_factor() {
     doubled.samples[1].iter_mut().for_each(|x| *x *= 2.0);
     let names = ["x_drive_m", "v_drive_mps"];
     let other = |channel: &str| names[usize::from(channel == names[0])];
+    // Which of them is reversed, the power of the force tells; without one, neither.
     let found = findings(&reversed, &settings);
-    let [Finding::ReversedChannel { channel, alternatives, .. }, ..] = &found[..] else { panic!("{found:?}") };
+    let told = |f: &Finding| matches!(f, Finding::ReversedChannel { channel, alternatives, .. } if channel == names[0] && alternatives.is_empty());
+    assert!(found.iter().any(told), "{found:?}");
+    reversed.channels.remove(0);
+    reversed.samples.remove(0);
+    let found = findings(&reversed, &settings);
+    let blind = found.iter().find_map(|f| match f {
+        Finding::ReversedChannel { channel, alternatives, .. } => Some((channel, alternatives)),
+        _ => None,
+    });
+    let Some((channel, alternatives)) = blind else { panic!("{found:?}") };
     assert_eq!(alternatives[..], [format!("\"{}\", reversed", other(channel))]);
     let found = findings(&doubled, &settings);
     let [Finding::WrongScale { channel, factor, alternatives, .. }] = &found[..] else { panic!("{found:?}") };

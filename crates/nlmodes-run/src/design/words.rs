@@ -19,11 +19,12 @@ pub fn in_words(design: &Design) -> String {
     }
     let control = &design.control;
     lines.push(format!(
-        "loop: starts at {} Hz, cut-off {} Hz, gains {} 1/s and {} 1/s², {} Hz sampling",
+        "loop: starts at {} Hz, cut-off {} Hz, gains {} 1/s and {} 1/s², phase margin {}°, {} Hz sampling",
         text(control.start_frequency_hz),
         text(control.cut_off_hz),
         control.proportional_1_s.map_or_else(|| "–".into(), text),
         control.integral_1_s2.map_or_else(|| "–".into(), text),
+        control.phase_margin_deg.map_or_else(|| "–".into(), |degrees| significant(degrees, 2)),
         text(control.sample_rate_hz)
     ));
     let head = ["level, ", "frequency, Hz", "force, N", "stroke, m", "contact, N", "settles in, s", "|μ|", "held"];

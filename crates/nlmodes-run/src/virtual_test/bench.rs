@@ -2,11 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use nlmodes::experiment::phase_loop::{LoopSettings, Order, PhaseDetector, Resonance};
+use nlmodes::experiment::phase_loop::{Gains, LoopSettings, Order, PhaseDetector, Resonance};
 use nlmodes::modal::LinearModes;
 use nlmodes::model::{ContactLaw, Side, StructuralModel};
-use nlmodes::rig::{ControlledHarmonics, ModalReduction};
-use nlmodes::virtual_test::{Bench, BenchPoint, BenchStop};
+use nlmodes::rig::{ControlChannels, ControlledHarmonics, ModalReduction, PhaseMargin, PhasePlant};
+use nlmodes::virtual_test::{Bench, BenchPoint, BenchStop, DRIVE_DISPLACEMENT, FORCE};
 
 use crate::Failure;
 use nlmodes_scene::assemble::{Elements, imposed, moving_kind};
@@ -87,12 +87,19 @@ impl Rig {
         };
         moves(scene, (&elements, &model, &reduction), &bench.drive)?;
         let modes = bench.linear_modes(&reduction).map_err(at("virtual_test"))?;
-        let control = control(scene, &bench);
+        let control = control(scene, &bench, &reduction);
         Ok(Self { bench, reduction, of_elements, modes, control })
     }
 }
 
 impl Rig {
+    /// Phase margin of the loop below contact, with its exciter.
+    pub fn phase_margin(&self, gains: Gains) -> Option<PhaseMargin> {
+        let settings = &self.control;
+        let low_pass = settings.detector.low_pass(settings.cut_off);
+        plant(&self.bench, &self.reduction, settings.resonance.omega).margin(gains, low_pass)
+    }
+
     /// The harmonics of the force up to this one, with the sensors and modes that the extraction has; none beyond the
     /// first.
     pub fn controlled_harmonics(&self, harmonics: usize) -> Option<ControlledHarmonics> {
@@ -127,14 +134,19 @@ fn stop(stop: &scene::TestStop, at: BenchPoint) -> BenchStop {
     BenchStop { at, side, gap: stop.gap, law }
 }
 
-fn control(scene: &TestScene, bench: &Bench) -> LoopSettings {
+/// The plant that the loop of a bench controls, at the frequency of a mode (rad/s).
+fn plant(bench: &Bench, reduction: &ModalReduction, omega: f64) -> PhasePlant {
+    PhasePlant::new(&bench.setup(reduction), &ControlChannels::new(FORCE, DRIVE_DISPLACEMENT), omega)
+}
+
+fn control(scene: &TestScene, bench: &Bench, reduction: &ModalReduction) -> LoopSettings {
     // A checked scene has no mode beyond those of the bench.
     let mode = (scene.settings.mode - 1).min(bench.omega.len() - 1);
     let resonance = Resonance { omega: bench.omega[mode], damping_ratio: bench.damping_ratios[mode] };
     let wanted = &scene.control;
     let start = wanted.start_hz.map_or((1.0 - BELOW) * resonance.omega, |hz| TAU * hz);
     let settings = LoopSettings::new(resonance, start, bench.interval);
-    LoopSettings {
+    let settings = LoopSettings {
         displacement_lag: wanted.lag_deg.to_radians(),
         detector: match wanted.detector {
             LoopDetector::Adaptive => PhaseDetector::default(),
@@ -142,5 +154,10 @@ fn control(scene: &TestScene, bench: &Bench) -> LoopSettings {
         },
         cut_off: wanted.cut_off_hz.map_or(settings.cut_off, |hz| TAU * hz),
         ..settings
-    }
+    };
+    // Gains of an ideal force are those of no shaker; where none are sound for this one, the loop's own are left to
+    // the multipliers to judge.
+    let low_pass = settings.detector.low_pass(settings.cut_off);
+    let gains = plant(bench, reduction, resonance.omega).design(low_pass);
+    LoopSettings { gains: gains.filter(|gains| gains.check(resonance, low_pass).is_ok()), ..settings }
 }

@@ -1,5 +1,5 @@
-use crate::rig::RigError;
 use crate::rig::error::{not_negative, positive};
+use crate::rig::{DrivePoint, RigError};
 
 /// The exciter, which converts the drive to a force.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,6 +56,13 @@ impl Default for Shaker {
             stinger_stiffness: 1e6,
             stinger_damping: 20.0,
         }
+    }
+}
+
+impl Shaker {
+    /// Spring of the stinger in series with the residual flexibility of the drive point, N/m.
+    pub(crate) fn stinger_at(&self, at: &DrivePoint) -> f64 {
+        1.0 / (1.0 / self.stinger_stiffness + at.residual)
     }
 }
 

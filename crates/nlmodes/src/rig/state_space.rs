@@ -1,6 +1,6 @@
 use crate::rig::functional::Functional;
 use crate::rig::matrix::Matrix;
-use crate::rig::{DrivePoint, Exciter, LinearStructure, RigError, Shaker, Stage, Stop};
+use crate::rig::{DrivePoint, Exciter, LinearStructure, RigError, Stage, Stop};
 
 /// `ẋ = A x + c + b u` with the stop open or closed.
 ///
@@ -197,7 +197,7 @@ impl StateSpace {
         match self.exciter {
             Exciter::IdealForce => force.input[0] = 1.0,
             Exciter::Shaker(shaker) => {
-                let (k, c) = (stinger(&shaker, &self.drive_point), shaker.stinger_damping);
+                let (k, c) = (shaker.stinger_at(&self.drive_point), shaker.stinger_damping);
                 let root_mass = shaker.armature_mass.sqrt();
                 for (j, φ) in self.drive_point.shape.iter().enumerate() {
                     force.row[j] = -k * φ / self.scale;
@@ -209,11 +209,6 @@ impl StateSpace {
         }
         force
     }
-}
-
-/// Spring of the stinger in series with the residual flexibility of the drive point, N/m.
-fn stinger(shaker: &Shaker, at: &DrivePoint) -> f64 {
-    1.0 / (1.0 / shaker.stinger_stiffness + at.residual)
 }
 
 /// Square root of a bound of the eigenvalues of the closed stiffness in coordinates of unit mass, rad/s.
@@ -230,7 +225,7 @@ fn rate(structure: &LinearStructure, at: &DrivePoint, exciter: Exciter, stop: Op
     let armature = match exciter {
         Exciter::IdealForce => 0.0,
         Exciter::Shaker(shaker) => {
-            spring(stinger(&shaker, at), &at.shape, 1.0 / shaker.armature_mass.sqrt())
+            spring(shaker.stinger_at(at), &at.shape, 1.0 / shaker.armature_mass.sqrt())
                 + shaker.suspension_stiffness / shaker.armature_mass
         }
     };

@@ -11,6 +11,7 @@ mod free_decay;
 mod hostile;
 mod integration;
 mod long_records;
+mod phase_plant;
 mod phase_resonance;
 mod schedule;
 mod test_control;
