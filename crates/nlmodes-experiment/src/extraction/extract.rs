@@ -123,7 +123,10 @@ fn turned(
     found: &RecordExtraction,
     before: &[Finding],
 ) -> Option<RecordExtraction> {
-    let is_turned = |finding: &&Finding| matches!(finding, Finding::ReversedChannel { alternatives, .. } if !alternatives.is_empty());
+    let is_turned = |finding: &&Finding| match finding {
+        Finding::ReversedChannel { alternatives, .. } => !alternatives.is_empty(),
+        _ => false,
+    };
     let Finding::ReversedChannel { channel, against, .. } = found.findings.iter().find(is_turned)? else {
         return None;
     };

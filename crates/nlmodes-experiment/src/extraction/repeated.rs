@@ -52,7 +52,7 @@ impl CommonErrors {
             coefficients[i].iter_mut().for_each(|q| *q *= 1.0 + error);
             shifted.push(method.values(&coefficients)?);
         }
-        for missing in &method.missing {
+        if let Some(missing) = &method.missing {
             let missing = Some(missing.larger_by(self.missing));
             shifted.push(Method { missing, ..method.clone() }.values(all)?);
         }

@@ -125,15 +125,16 @@ mod tests {
         (column, axis.rate.hz)
     }
 
-    /// A polynomial of the seventh degree comes back to rounding, a sine of 25 samples a period to a millionth.
+    /// A polynomial of the seventh degree comes back to rounding, a sine of 25 samples a period to a millionth; where
+    /// intervals are so different that fewer samples are taken, to the fourth power of their distance.
     #[test]
     fn values_at_even_instants_are_those_of_the_signal() {
-        for share in [0.15, 0.3, 0.45] {
+        for (share, error) in [(0.15, 2e-6), (0.3, 2e-6), (0.45, 3e-4)] {
             let times = jittered(400, 0.01, share);
             let wave = |t: f64| (25.0 * t).sin();
             let (column, hz) = even(&times, wave);
             let worst = column.values.iter().enumerate().map(|(j, x)| (x - wave(times[0] + j as f64 / hz)).abs());
-            assert!(worst.fold(0.0, f64::max) < 2e-6, "{share}");
+            assert!(worst.fold(0.0, f64::max) < error, "{share}");
             assert!(column.uneven.is_some_and(|off| off > 0.5 * share && off < 1.5 * share), "{:?}", column.uneven);
             assert!((hz / 100.0 - 1.0).abs() < 1e-4 && column.values.len().abs_diff(400) <= 1, "{hz}");
         }

@@ -191,7 +191,10 @@ fn what_explains_a_slip_as_well_is_told_with_its_factor() {
     let other = |channel: &str| names[usize::from(channel == names[0])];
     // Which of them is reversed, the power of the force tells; without one, neither.
     let found = findings(&reversed, &settings);
-    let told = |f: &Finding| matches!(f, Finding::ReversedChannel { channel, alternatives, .. } if channel == names[0] && alternatives.is_empty());
+    let told = |f: &Finding| match f {
+        Finding::ReversedChannel { channel, alternatives, .. } => channel == names[0] && alternatives.is_empty(),
+        _ => false,
+    };
     assert!(found.iter().any(told), "{found:?}");
     reversed.channels.remove(0);
     reversed.samples.remove(0);
