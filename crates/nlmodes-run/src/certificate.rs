@@ -350,6 +350,11 @@ pub(crate) fn share(value: f64) -> String {
     }
 }
 
+/// `±0.7 %`; an estimate larger than the number itself says no more than that.
+pub(crate) fn margin(error: f64) -> String {
+    if error < 1.0 { format!("±{}", share(error)) } else { "±100 % or more".to_owned() }
+}
+
 /// Maximum number of points listed, and of those listed with frequency.
 const NAMED: [usize; 2] = [8, 3];
 

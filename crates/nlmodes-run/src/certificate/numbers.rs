@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use nlmodes_scene::scene::Requirement;
 use serde::{Serialize, Serializer};
 
-use super::{Check, CheckOutcome, Place, share};
+use super::{Check, CheckOutcome, Place, margin, share};
 
 /// A number of the results, or several with a common error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -167,7 +167,7 @@ impl NumberError {
         let name = self.number.meaning();
         let met = self.met.as_ref().map_or_else(String::new, Met::text);
         match self.estimate {
-            Some(estimate) => format!("{name} ±{}{met}", share(estimate)),
+            Some(estimate) => format!("{name} {}{met}", margin(estimate)),
             None => format!("{name} not known, {}", self.why),
         }
     }

@@ -2,7 +2,7 @@
 
 use nlmodes::report::DataTable;
 
-use super::{Certificate, Check, CheckOutcome, NumberError, Place, share};
+use super::{Certificate, Check, CheckOutcome, NumberError, Place, margin, share};
 
 impl CheckOutcome {
     /// In words.
@@ -59,7 +59,7 @@ fn error(error: &NumberError) -> Vec<String> {
     };
     vec![
         format!("{} ({})", error.number.meaning(), error.number.column()),
-        error.estimate.map_or_else(|| "not known".to_owned(), |estimate| format!("±{}{met}", share(estimate))),
+        error.estimate.map_or_else(|| "not known".to_owned(), |estimate| format!("{}{met}", margin(estimate))),
         source,
         error.command.clone().unwrap_or_default(),
     ]
