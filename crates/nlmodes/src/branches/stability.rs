@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use nlmodes_continuation::{Budget, Continuation, Watched};
-use nlmodes_modal::{Event, ModalPoint, Stability};
+use nlmodes_modal::{EndReason, Event, ModalPoint, Stability};
 use nlmodes_timestep::{GalerkinReduction, MAX_SHOOTING_MODES, ModeShooting};
 
 use super::branch::ComputedBranch;
@@ -50,7 +50,9 @@ impl ComputedBranch {
         let watch = self.settings.watch.clone();
         let Some(mut probe) = self.probe(budget) else { return Vec::new() };
         // Whoever has ended the computation gets what needs no search.
-        if watch.begins(STABILITY).is_err() && matches!(probe, Probe::Beside(_)) {
+        let searches = matches!(probe, Probe::Beside(_));
+        if watch.begins(STABILITY).is_err() && searches {
+            self.end_before_stability();
             return Vec::new();
         }
         let mut known = vec![None; self.branch.points.len()];
@@ -66,7 +68,19 @@ impl ComputedBranch {
             self.unknowns.insert(number, x);
         }
         self.branch.end = self.branch.end.clone().without_stability(left_out);
+        if searches && watch.has_ended() {
+            self.end_before_stability();
+        }
         places
+    }
+
+    /// The computation was asked to end while the stability was not known yet: the branch is not complete without it.
+    fn end_before_stability(&mut self) {
+        let end = &mut self.branch.end;
+        if !end.has(EndReason::Stopped) {
+            end.message += "; it was asked to stop before the stability of its points was known";
+            (end.reasons, end.complete) = (vec![EndReason::Stopped], false);
+        }
     }
 
     /// `None` where the stability is not asked for, or too expensive to be found unasked.

@@ -6,7 +6,8 @@ use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 
 use nlmodes::branches::{
-    BranchMethod, BranchSettings, BranchStart, ComputedBranch, Histories, ResonanceRule, StabilityRule, compute_branch,
+    BranchMethod, BranchSettings, BranchStart, ComputedBranch, Histories, ResonanceRule, StabilityRule, Watch,
+    compute_branch,
 };
 use nlmodes::fem::{Direction, Stop};
 use nlmodes::modal::{EndReason, Event, ModalPoint, Stability};
@@ -248,6 +249,19 @@ fn points_in_harmonics_have_the_stability_of_the_exact_motion_beside_them() {
     let (a, b) = (changes(&exact), changes(&found));
     assert_eq!(a.len(), b.len());
     assert!(a.iter().zip(&b).all(|(a, b)| (a / b - 1.0).abs() < 1e-4), "{a:?} {b:?}");
-    let never = branch(rod(5, &[tip()]), &BranchSettings { stability: StabilityRule::Never, ..harmonics });
+    let never = BranchSettings { stability: StabilityRule::Never, ..harmonics.clone() };
+    let never = branch(rod(5, &[tip()]), &never);
     assert_eq!(never.stability_counts()[..2], [0, 0]);
+    // Without a changed stability the points are the same.
+    assert_eq!(never.branch.points.len() + b.len(), found.branch.points.len());
+    // Whoever ends the computation of the stability gets all points, of a branch that is not complete.
+    for evaluations in [0, 20] {
+        let ends = move |doing: &str, n: usize| match doing.contains("stability") && n >= evaluations {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
+        };
+        let ended = branch(rod(5, &[tip()]), &BranchSettings { watch: Watch::new(ends), ..harmonics.clone() });
+        assert!(ended.branch.end.reasons == [EndReason::Stopped] && !ended.branch.end.complete);
+        assert_eq!(ended.branch.points.len(), never.branch.points.len());
+    }
 }
