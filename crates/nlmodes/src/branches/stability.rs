@@ -49,9 +49,7 @@ impl ComputedBranch {
     pub(super) fn find_stability(&mut self, budget: &mut Budget) -> Vec<usize> {
         let watch = self.settings.watch.clone();
         let Some(mut probe) = self.probe(budget) else { return Vec::new() };
-        // Whoever has ended the computation gets what needs no search.
-        let searches = matches!(probe, Probe::Beside(_));
-        if watch.begins(STABILITY).is_err() && searches {
+        if watch.begins(STABILITY).is_err() {
             self.end_before_stability();
             return Vec::new();
         }
@@ -68,7 +66,7 @@ impl ComputedBranch {
             self.unknowns.insert(number, x);
         }
         self.branch.end = self.branch.end.clone().without_stability(left_out);
-        if searches && watch.has_ended() {
+        if watch.has_ended() {
             self.end_before_stability();
         }
         places
@@ -118,7 +116,7 @@ impl ComputedBranch {
     /// more point is skipped: where the harmonics are too few for an exact motion to be near, all searches would fail.
     fn probe_forward(&self, probe: &mut Probe, known: &mut [Option<Known>]) -> usize {
         let (mut failures, mut next) = (0, 0);
-        while next < known.len() {
+        while next < known.len() && !self.settings.watch.asks_to_end() {
             known[next] = self.stability_of(probe, next, next.checked_sub(1), known);
             if known[next].is_none() && probe.is_used_up() {
                 return known.len() - next;
