@@ -47,6 +47,10 @@ impl ComputedBranch {
     /// Finds the stability of the points within the budget, and adds the points at which it changes; the numbers of
     /// those before which one was added.
     pub(super) fn find_stability(&mut self, budget: &mut Budget) -> Vec<usize> {
+        if self.branch.end.has(EndReason::Stopped) {
+            // Whoever has stopped the branch does not wait for its stability either.
+            return Vec::new();
+        }
         let watch = self.settings.watch.clone();
         let Some(mut probe) = self.probe(budget) else { return Vec::new() };
         if watch.begins(STABILITY).is_err() {
@@ -75,10 +79,8 @@ impl ComputedBranch {
     /// The computation was asked to end while the stability was not known yet: the branch is not complete without it.
     fn end_before_stability(&mut self) {
         let end = &mut self.branch.end;
-        if !end.has(EndReason::Stopped) {
-            end.message += "; it was asked to stop before the stability of its points was known";
-            (end.reasons, end.complete) = (vec![EndReason::Stopped], false);
-        }
+        end.message += "; it was asked to stop before the stability of its points was known";
+        (end.reasons, end.complete) = (vec![EndReason::Stopped], false);
     }
 
     /// `None` where the stability is not asked for, or too expensive to be found unasked.
