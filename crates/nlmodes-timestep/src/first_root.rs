@@ -54,10 +54,10 @@ enum Cell {
 /// Smallest `t` in `[0, end]` at which one of these guards, none of them negative at 0, becomes negative, and the index
 /// of that guard.
 ///
-/// A cell has no root if the polynomial of a guard exceeds the bound of its difference from it; if the guard is proven to
-/// be monotone or of one curvature in it, its ends or its extremum decide; otherwise it is halved. Thus no pair of roots is
-/// missed, however close, and grazing is decided by the value at the extremum. Values above minus a few rounding errors of its
-/// size also count as no root: a guard may be zero all the time.
+/// A cell has no root if the polynomial of a guard exceeds the bound of its difference from it; if the guard is proven
+/// to be monotone or of one curvature in it, its ends or its extremum decide; otherwise it is halved. Thus no pair of
+/// roots is missed, however close, and grazing is decided by the value at the extremum. Values above minus a few
+/// rounding errors of its size also count as no root: a guard may be zero all the time.
 ///
 /// The guards go through the cells together, in the order of time: what they share is computed once a cell, and no cell
 /// behind the first root is examined.

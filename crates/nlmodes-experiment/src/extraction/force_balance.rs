@@ -2,12 +2,13 @@
 //!
 //! ```text
 //! (ω_k² − (nω)² + 2iζ_k ω_k nω) η_k,n = φ_k(drive) F_n − φ_k(stop) Λ_n      of each mode k and harmonic n
-//! x_i,n = Σ_k φ_k(i) (φ_k(drive) F_n − φ_k(stop) Λ_n) / Z_k(nω)            of each place i, with fewer places than modes
+//! x_i,n = Σ_k φ_k(i) (φ_k(drive) F_n − φ_k(stop) Λ_n) / Z_k(nω)
 //! ```
 //!
-//! Each equation gives each harmonic of the force; they are averaged, each weighted by what noise of the sensors and
-//! errors of the modes leave of it: near its frequency a mode counts most. The mean is the one with which the force
-//! rests between contacts.
+//! The second ones, of each place i, take the place of the first where there are fewer places than modes. Each equation
+//! gives each harmonic of the force; they are averaged, each weighted by what noise of the sensors and errors of the
+//! modes leave of it: near its frequency a mode counts most. The mean is the one with which the force rests between
+//! contacts.
 
 mod draws;
 mod equations;

@@ -77,8 +77,8 @@ pub struct ExcitationFigures {
     pub force: Measured,
     /// Lag of the drive-point displacement behind the force, rad; π/2 at phase resonance.
     pub lag: Measured,
-    /// Lag of the coordinate of the excited mode behind the force, rad, where linear modes are given: without what other
-    /// modes add to the motion of the drive point.
+    /// Lag of the coordinate of the excited mode behind the force, rad, where linear modes are given: without what
+    /// other modes add to the motion of the drive point.
     pub modal_lag: Option<Measured>,
     /// Indicator of phase resonance from all sensors, `1 − Σ |Re x_i||x_i| / Σ |x_i|²` of their fundamentals by the
     /// phase of the force; one in phase resonance.

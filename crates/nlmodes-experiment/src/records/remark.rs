@@ -53,8 +53,8 @@ impl fmt::Display for Remark {
             ),
             Self::UnevenTimes { deviation } => write!(
                 f,
-                "the time stamps are up to {deviation:.2} sampling intervals from an even axis: values at even instants \
-                    are taken, by polynomials through the samples about them"
+                "the time stamps are up to {deviation:.2} sampling intervals from an even axis: values at even \
+                    instants are taken, by polynomials through the samples about them"
             ),
             Self::HeaderDisagrees { channel, header } => write!(f, "channel \"{channel}\": the file says {header}"),
         }

@@ -26,6 +26,13 @@ fn quick() -> FinerSettings {
     FinerSettings { enough: 3, tries: 10, share_of_curve: 10.0, ..FinerSettings::default() }
 }
 
+/// Points at which a contact opens and closes: at others the motion is linear, and more
+/// harmonics change nothing.
+pub(super) fn switching(points: &[ModalPoint]) -> Vec<usize> {
+    let switches = |point: &ModalPoint| point.contacts.iter().any(|own| own.touches > 0 && own.closed_share < 1.0);
+    (0..points.len()).filter(|&k| switches(&points[k])).collect()
+}
+
 /// Evenly chosen points beside these few, where solving them again costs next to nothing.
 fn many(computed: &ComputedBranch, few: &[usize]) -> Vec<usize> {
     let harmonics = computed.branch.points.iter().map(|p| p.coefficients.n_harmonics()).max().unwrap_or(0);
@@ -52,7 +59,7 @@ pub fn harmonics(computed: &ComputedBranch, few: &[usize], sources: Sources<'_>,
     let points = if sources.thorough {
         many(computed, few)
     } else {
-        quick().order(few.iter().copied(), &(0..all).collect::<Vec<_>>())
+        quick().order(few.iter().copied(), &switching(&computed.branch.points))
     };
     let words = |n: usize, lost: &str| match n {
         n if n >= all => format!("with twice as many harmonics at the same energy, all {all} points{lost}"),

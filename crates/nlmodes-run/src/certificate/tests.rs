@@ -159,6 +159,13 @@ fn a_point_solved_with_more_harmonics_is_that_of_a_branch_with_them() {
 }
 
 #[test]
+fn the_point_at_grazing_is_none_at_which_more_harmonics_are_tried_unasked() {
+    let computed = branch(&scene(3, 4, SI), BranchStart::Grazing);
+    let own = finer::switching(&computed.branch.points);
+    assert_eq!(own, (1..computed.branch.points.len()).collect::<Vec<usize>>());
+}
+
+#[test]
 fn too_few_held_modes_are_an_error_and_enough_are_not() {
     let scene = scene(12, 5, SI);
     let computed = branch(&scene, BranchStart::Grazing);

@@ -1,9 +1,9 @@
 //! A branch along which the number of harmonics grows with an error estimate.
 //!
 //! It is a chain of runs with one number of harmonics each. A point whose estimate is too large does not count: the
-//! branch goes on from the last one that does, with more harmonics at the same energy, or where that finds none from one
-//! of some points before it. Every change asks for more than any before it, whether it is found or not: so there are at
-//! most as many as the scene permits harmonics.
+//! branch goes on from the last one that does, with more harmonics at the same energy, or where that finds none from
+//! one of some points before it. Every change asks for more than any before it, whether it is found or not: so there
+//! are at most as many as the scene permits harmonics.
 
 mod control;
 
