@@ -10,14 +10,15 @@ use nlmodes_scene::{SceneError, SceneFile, parse_each_method};
 use serde_json::Value;
 
 use crate::design::Points;
-use crate::study::{DesignKind, Study};
+use crate::run::Shard;
+use crate::study::Study;
 pub use name::hex;
 use name::id;
 
 /// A case as in the table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Case {
-    /// Number in the study, from 0.
+    /// Number in the study, or in its shard, from 0.
     pub number: usize,
     /// Number of its point in the design, from 0.
     pub point: usize,
@@ -75,9 +76,9 @@ fn toml(value: &Value) -> String {
 /// # Errors
 /// [`SceneError`], the errors of the scene with these values.
 pub fn resolve(study: &Study, point: &[Vec<Value>]) -> Result<Vec<Resolved>, SceneError> {
-    match study.design.kind {
-        DesignKind::FirstOrder => resolve_differentiated(study, overrides(study, point)),
-        _ => resolve_set(study, overrides(study, point)),
+    match study.design.is_differentiated() {
+        true => resolve_differentiated(study, overrides(study, point)),
+        false => resolve_set(study, overrides(study, point)),
     }
 }
 
@@ -125,6 +126,11 @@ fn resolve_text(study: &Study, text: &str, set: Vec<String>) -> Result<Vec<Resol
 
 /// All cases of a study in their order, with their scenes read by this many threads.
 pub fn cases(study: &Study, threads: usize) -> Vec<Case> {
+    cases_of(study, Shard::default(), threads)
+}
+
+/// Those of a shard: nothing is read of the others.
+pub fn cases_of(study: &Study, shard: Shard, threads: usize) -> Vec<Case> {
     let points = Points::new(study);
     let next = AtomicUsize::new(0);
     let work = || {
@@ -134,7 +140,9 @@ pub fn cases(study: &Study, threads: usize) -> Vec<Case> {
             if number >= points.len() {
                 return found;
             }
-            found.push((number, of_point(study, number, &points.get(number))));
+            if shard.has(number) {
+                found.push((number, of_point(study, number, &points.get(number))));
+            }
         }
     };
     let mut all: Vec<(usize, Vec<Case>)> = thread::scope(|scope| {

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use nlmodes_scene::{Diagnostic, Diagnostics};
 
-use crate::design::{MAX_DIMENSIONS, Points};
+use crate::design::{MAX_DIMENSIONS, Points, Tolerance};
 use crate::raw::{RawDesign, RawStudy};
 use crate::study::{Design, DesignKind, Study, Variable};
 
@@ -74,12 +74,18 @@ pub fn study(
 
 fn design(raw: &RawDesign, diagnostics: &mut Diagnostics<'_>) -> Design {
     let kind = raw.kind.unwrap_or(DesignKind::Grid);
-    let sobol_indices = raw.sobol_indices.unwrap_or(false);
+    let (sobol_indices, expansion) = (raw.sobol_indices.unwrap_or(false), raw.expansion.unwrap_or(false));
     if kind.is_sampled() && raw.samples.is_none() && !diagnostics.is_meant("design.samples") {
         let diagnostic = Diagnostic::error("`design.samples` is missing");
         diagnostics.put("design", diagnostic, format!("kind \"{}\" needs the number of points", kind.name()));
     }
-    for (key, is_given) in [("samples", raw.samples.is_some()), ("sobol_indices", sobol_indices)] {
+    if sobol_indices && expansion {
+        let diagnostic = Diagnostic::error("`design.sobol_indices` beside `design.expansion`, which has them too");
+        let help = "`sobol_indices` computes them from many cases, `expansion` from a tenth of these with gradients";
+        diagnostics.put("design.expansion", diagnostic.help(help), "expected one of the two");
+    }
+    let given = [("samples", raw.samples.is_some()), ("sobol_indices", sobol_indices), ("expansion", expansion)];
+    for (key, is_given) in given {
         if is_given && !kind.is_sampled() {
             let diagnostic = Diagnostic::error(format!("`design.{key}` has no meaning for a {}", kind.name()));
             let help = "kind \"sobol\", \"latin-hypercube\" and \"random\" draw points";
@@ -89,11 +95,18 @@ fn design(raw: &RawDesign, diagnostics: &mut Diagnostics<'_>) -> Design {
     let samples = if kind.is_sampled() { raw.samples.unwrap_or(1) as usize } else { 0 };
     let first_order = raw.first_order.unwrap_or(false) || kind == DesignKind::FirstOrder;
     let box_deviations = raw.box_deviations.unwrap_or(BOX_DEVIATIONS);
-    Design { kind, samples, seed: u64::from(raw.seed.unwrap_or(1)), sobol_indices, first_order, box_deviations }
+    let seed = u64::from(raw.seed.unwrap_or(1));
+    Design { kind, samples, seed, sobol_indices, expansion, first_order, box_deviations }
 }
 
 /// Limits of counts and random draws.
 fn fits(study: &Study, diagnostics: &mut Diagnostics<'_>) {
+    for (k, variable) in study.variables.iter().enumerate().filter(|_| study.design.expansion) {
+        if let Err(reason) = Tolerance::of(variable, &study.design) {
+            let diagnostic = Diagnostic::error(format!("there are no polynomials of `{}`: {reason}", variable.name));
+            diagnostics.put(&format!("vary.{k}"), diagnostic, "expected numbers or a distribution");
+        }
+    }
     let dimensions = study.variables.len() * if study.design.sobol_indices { 2 } else { 1 };
     if study.design.kind == DesignKind::Sobol && dimensions > MAX_DIMENSIONS {
         let diagnostic = Diagnostic::error(format!("a Sobol' sequence of {dimensions} dimensions is asked for"));

@@ -7,9 +7,11 @@ mod table;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
+use serde_json::Value;
+
 use crate::case::{Case, cases};
 use crate::first_order::{FirstOrder, Stored};
-use crate::statistics::Statistics;
+use crate::statistics::{Sample, Statistics};
 use crate::store::Store;
 use crate::study::Study;
 use crate::table::Table;
@@ -63,8 +65,15 @@ impl Collected {
         let table = table::table(study, &cases, &rows);
         let mut counts = Counts { cases: rows.len(), ..Counts::default() };
         rows.iter().for_each(|row| counts.take(row.state));
-        let statistics: Vec<Statistics> =
-            study.quantities.iter().map(|q| Statistics::new(study, &table, &cases, &q.name)).collect();
+        let statistics: Vec<Statistics> = study
+            .quantities
+            .iter()
+            .enumerate()
+            .map(|(k, quantity)| {
+                let own = Statistics::new(study, &table, &cases, &quantity.name);
+                if study.design.expansion { own.with_expansion(study, &samples(&cases, &rows, k)) } else { own }
+            })
+            .collect();
         // What is in the store already, nothing is written.
         let mut stored = Stored { study, store: &store };
         let first_order = FirstOrder::of(study, &statistics, &mut stored).unwrap_or_default();
@@ -93,6 +102,19 @@ pub fn status(study: &Study, threads: usize) -> Counts {
     let mut counts = Counts { cases: cases.len(), ..Counts::default() };
     cases.iter().for_each(|case| counts.take(row::state(&store, case).0));
     counts
+}
+
+/// The cases that have quantity k, with its derivatives; none where points have several methods.
+fn samples(cases: &[Case], rows: &[Row], k: usize) -> Vec<Sample> {
+    if cases.iter().any(|case| case.part > 0) {
+        return Vec::new();
+    }
+    let of = |(case, row): (&Case, &Row)| {
+        let [value, _] = row.values[k]?;
+        let x = case.values.iter().map(Value::as_f64).collect::<Option<_>>()?;
+        Some(Sample { x, value, slope: row.slopes[k].clone() })
+    };
+    cases.iter().zip(rows).filter_map(of).collect()
 }
 
 fn rows(study: &Study, store: &Store, cases: &[Case], threads: usize) -> Vec<Row> {

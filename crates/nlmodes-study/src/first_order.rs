@@ -131,6 +131,15 @@ impl FirstOrder {
     }
 }
 
+/// Derivatives of a quantity of a curve by the variables: those by the keys of each, added.
+///
+/// # Errors
+/// Why it has no derivatives.
+pub fn slope(study: &Study, quantity: &Quantity, curve: &Curve) -> Result<Vec<f64>, String> {
+    let of = |keys: &Vec<String>| Ok(derivatives(curve, quantity, keys)?.iter().sum());
+    study.variables.iter().map(|variable| of(&variable.keys)).collect()
+}
+
 impl Within<'_> {
     fn quantity(
         &self,
@@ -170,18 +179,15 @@ impl Within<'_> {
         }
     }
 
-    /// A quantity of a curve with its derivatives by the variables: those by the keys of each, added.
+    /// A quantity of a curve with its derivatives by the variables.
     ///
     /// # Errors
     /// Why it has no derivatives.
     pub fn slope(&self, quantity: &Quantity, curve: &Curve) -> Result<Slope, String> {
-        let value = match pick(curve, quantity) {
-            Picked::Value { value, .. } => value,
-            Picked::Missing(reason) => return Err(reason),
-        };
-        let of = |keys: &Vec<String>| Ok(derivatives(curve, quantity, keys)?.iter().sum());
-        let by = self.study.variables.iter().map(|variable| of(&variable.keys)).collect::<Result<_, String>>()?;
-        Ok(Slope { value, by })
+        match pick(curve, quantity) {
+            Picked::Value { value, .. } => Ok(Slope { value, by: slope(self.study, quantity, curve)? }),
+            Picked::Missing(reason) => Err(reason),
+        }
     }
 
     /// The quantity by its slope at the means, where the variables have these values.

@@ -107,7 +107,7 @@ pub use read::{StudyFile, schema};
 pub use run::{Settings, Shard, StudyObserver, StudyOutcome, StudyProgress, run};
 pub use serve::serve;
 pub use statistics::{
-    Correlation, Sensitivity, SobolIndex, Spread, Statistics, quantile, rank_correlation, sobol_indices,
+    Correlation, Expansion, Sensitivity, SobolIndex, Spread, Statistics, quantile, rank_correlation, sobol_indices,
 };
 pub use store::{CaseRecord, Status, Store};
 pub use study::{

@@ -70,6 +70,10 @@ pub struct RawDesign {
     /// Whether each of `samples` points gets the additional ones for Sobol indices: 2 more than the number of variables
     #[schemars(extend("default" = false))]
     pub sobol_indices: Option<bool>,
+    /// Whether each of `samples` points is computed with gradients, and Sobol indices come from polynomials fitted to
+    /// both, with a stated error: with a tenth of the cases that `sobol_indices` takes
+    #[schemars(extend("default" = false))]
+    pub expansion: Option<bool>,
     /// Whether spread and worst corners are computed from gradients, too: one case with the variables at their means,
     /// one for each corner; always for kind "first-order"
     #[schemars(extend("default" = false))]

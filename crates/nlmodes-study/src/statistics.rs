@@ -1,10 +1,13 @@
 //! Scatter and sensitivity of a quantity.
 
+mod expansion;
 mod independent;
 mod ranks;
 mod sobol;
 mod spread;
 
+use expansion::expansion;
+pub use expansion::{Expansion, Polynomials, Sample};
 use independent::independence;
 pub use ranks::{Correlation, rank_correlation};
 pub use sobol::{SobolIndex, sobol_indices};
@@ -31,7 +34,9 @@ pub struct Statistics {
     pub does_not_depend_on: Vec<String>,
     /// Rank correlation with each numerical variable.
     pub rank_correlations: Vec<Sensitivity<Correlation>>,
-    /// Sobol' indices of each variable, if the design has the points for them.
+    /// What the Sobol' indices are from, where not from blocks of the design.
+    pub expansion: Option<Expansion>,
+    /// Sobol' indices of each variable, if the design has the points or the gradients for them.
     pub sobol_indices: Vec<Sensitivity<SobolIndex>>,
     /// Blocks of the design that are excluded from the indices, because a case in them does not have the quantity.
     pub blocks_left_out: usize,
@@ -64,6 +69,7 @@ impl Statistics {
             does_not_vary: false,
             does_not_depend_on: Vec::new(),
             rank_correlations: Vec::new(),
+            expansion: None,
             sobol_indices: Vec::new(),
             blocks_left_out: 0,
         };
@@ -78,12 +84,20 @@ impl Statistics {
         let one_part = first.iter().all(|first| *first);
         if study.design.sobol_indices && one_part {
             let (found, left_out) = sobol_indices(&all, study.variables.len(), study.design.seed);
-            let named = study.variables.iter().zip(found);
-            statistics.sobol_indices =
-                named.map(|(v, measure)| Sensitivity { variable: v.name.clone(), measure }).collect();
+            statistics.sobol_indices = named(study, found);
             statistics.blocks_left_out = left_out;
         }
         statistics
+    }
+
+    /// The same with the Sobol' indices of an expansion that is fitted to cases and their gradients.
+    pub fn with_expansion(mut self, study: &Study, cases: &[Sample]) -> Self {
+        let bases = study.variables.iter().map(|variable| Polynomials::of(variable, &study.design).ok());
+        let found = bases.collect::<Option<Vec<_>>>().and_then(|bases| expansion(&bases, cases));
+        let Some((own, indices)) = found.filter(|_| !self.does_not_vary) else { return self };
+        self.sobol_indices = named(study, indices);
+        self.expansion = Some(own);
+        self
     }
 
     /// Says on which variables the quantity does not depend.
@@ -103,4 +117,10 @@ impl Statistics {
         self.does_not_vary = found.of_all;
         self.does_not_depend_on = found.of.iter().map(|v| named[*v].0.to_owned()).collect();
     }
+}
+
+/// A measure of each variable.
+fn named<T>(study: &Study, measures: Vec<T>) -> Vec<Sensitivity<T>> {
+    let all = study.variables.iter().zip(measures);
+    all.map(|(variable, measure)| Sensitivity { variable: variable.name.clone(), measure }).collect()
 }

@@ -10,7 +10,7 @@ use nlmodes_scene::number;
 
 use crate::collect::Counts;
 use crate::run::{StudyOutcome, StudyProgress};
-use crate::statistics::Statistics;
+use crate::statistics::{Expansion, Statistics};
 
 /// A line for each state.
 impl Display for Counts {
@@ -44,16 +44,27 @@ impl Display for Statistics {
             let ([low, high], rho) = (found.measure.interval, found.measure.rho);
             write!(f, "\n  rank correlation with {}: {rho:.3} ({low:.3} to {high:.3})", found.variable)?;
         }
+        self.expansion.iter().try_for_each(|own| write!(f, "\n  {own}"))?;
         for found in &self.sobol_indices {
             let index = found.measure;
-            let itself = format!("{:.4} ± {:.4} by itself", index.first, index.first_error);
-            let total = format!("{:.4} ± {:.4} in total", index.total, index.total_error);
+            let itself = format!("{:.4} ± {:.1e} by itself", index.first, index.first_error);
+            let total = format!("{:.4} ± {:.1e} in total", index.total, index.total_error);
             write!(f, "\n  Sobol' index of {}: {itself}, {total}", found.variable)?;
         }
         match self.without {
             0 => Ok(()),
             without => write!(f, "\n  {without} cases do not have it"),
         }
+    }
+}
+
+/// What the indices are from.
+impl Display for Expansion {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let Self { degree, cases, with_gradients, mean, std, left_out, .. } = self;
+        write!(f, "polynomials of degree {degree} by {cases} cases, {with_gradients} with gradients: ")?;
+        write!(f, "mean {}, standard deviation {std:.3e}; ", number(*mean))?;
+        write!(f, "they miss a case that is left out by {:.2e} of its variance", left_out)
     }
 }
 

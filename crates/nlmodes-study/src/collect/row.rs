@@ -3,6 +3,7 @@
 use super::Drawn;
 use crate::case::Case;
 use crate::curve::{Curve, Picked, pick};
+use crate::first_order::slope;
 use crate::store::{CaseRecord, Status, Store, branch_sha256};
 use crate::study::Study;
 
@@ -52,6 +53,8 @@ pub struct Row {
     pub reason: String,
     /// Value and estimated error of each quantity.
     pub values: Vec<Option<[f64; 2]>>,
+    /// Derivatives of each by the variables, where the cases are differentiated and it has them.
+    pub slopes: Vec<Option<Vec<f64>>>,
     pub points: Option<usize>,
     /// Its curves as drawn; none where they are not.
     pub drawn: Vec<Drawn>,
@@ -76,6 +79,7 @@ impl Row {
             state,
             reason,
             values: vec![None; study.quantities.len()],
+            slopes: vec![None; study.quantities.len()],
             points: None,
             drawn: Vec::new(),
         };
@@ -108,7 +112,10 @@ impl Row {
             }
         });
         let values = values.collect();
+        let differentiated = study.design.is_differentiated();
+        let slope = |quantity| slope(study, quantity, curve).ok().filter(|_| differentiated);
+        let slopes = study.quantities.iter().map(slope).collect();
         let drawn = if drawn { Drawn::of(case.number, curve) } else { Vec::new() };
-        Self { state, reason: reasons.join(" | "), values, points: Some(curve.len()), drawn }
+        Self { state, reason: reasons.join(" | "), values, slopes, points: Some(curve.len()), drawn }
     }
 }

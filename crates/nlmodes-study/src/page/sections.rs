@@ -77,11 +77,15 @@ fn sensitivity(statistics: &Statistics) -> String {
         text += "</table>\n";
     }
     if !statistics.sobol_indices.is_empty() {
+        text += &statistics
+            .expansion
+            .as_ref()
+            .map_or_else(String::new, |own| format!("<p>{}</p>\n", escape(&own.to_string())));
         text += "<table><thead><tr><th>variable</th><th>Sobol’ index by itself</th><th>in total</th></tr></thead>";
         for found in &statistics.sobol_indices {
             let index = found.measure;
             text += &format!(
-                "<tr><th>{}</th><td class=\"number\">{:.4} ± {:.4}</td><td class=\"number\">{:.4} ± {:.4}</td></tr>",
+                "<tr><th>{}</th><td class=\"number\">{:.4} ± {:.1e}</td><td class=\"number\">{:.4} ± {:.1e}</td></tr>",
                 escape(&found.variable),
                 index.first,
                 index.first_error,

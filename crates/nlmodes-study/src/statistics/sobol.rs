@@ -14,11 +14,12 @@ const FEWEST: usize = 4;
 pub struct SobolIndex {
     /// First-order index.
     pub first: f64,
-    /// Its standard error, by bootstrap over the blocks; smaller in fact for points of a Sobol' sequence.
+    /// Its standard error, by bootstrap over the blocks; smaller in fact for points of a Sobol' sequence. Of an expansion
+    /// the most that is missed by.
     pub first_error: f64,
     /// Total index.
     pub total: f64,
-    /// Its standard error.
+    /// The same of it.
     pub total_error: f64,
 }
 
@@ -84,7 +85,7 @@ mod tests {
             title: String::new(),
             scene_name: String::new(),
             scene_text: String::new(),
-            design: Design { kind, samples, seed: 3, sobol_indices: true, first_order: false, box_deviations: 3.0 },
+            design: Design { kind, samples, seed: 3, sobol_indices: true, box_deviations: 3.0, ..Design::default() },
             variables: (0..variables).map(variable).collect(),
             quantities: Vec::new(),
             fit: None,

@@ -4,11 +4,12 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The cases to compute.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 #[schemars(inline)]
 pub enum DesignKind {
     /// All combinations of values
+    #[default]
     Grid,
     /// Values row by row, or the rows of a CSV
     List,
@@ -47,7 +48,7 @@ impl DesignKind {
 }
 
 /// The cases to compute.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Design {
     /// The kind.
     pub kind: DesignKind,
@@ -57,8 +58,17 @@ pub struct Design {
     pub seed: u64,
     /// Whether each base point has the additional ones for Sobol' indices.
     pub sobol_indices: bool,
+    /// Whether the indices come from an expansion that is fitted to the points and their gradients.
+    pub expansion: bool,
     /// Whether spread and worst corners are computed from gradients, too.
     pub first_order: bool,
     /// Where a distribution has no limits, the box of tolerances ends this many standard deviations from the mean.
     pub box_deviations: f64,
+}
+
+impl Design {
+    /// Whether its cases are differentiated by the variables.
+    pub fn is_differentiated(&self) -> bool {
+        self.kind == DesignKind::FirstOrder || self.expansion
+    }
 }

@@ -317,3 +317,47 @@ at = "max"
         }
     }
 }
+
+/// With a tenth of the cases, and right to what both state.
+#[test]
+fn indices_of_an_expansion_are_those_of_ten_times_as_many_cases() {
+    let place = tempfile::tempdir().unwrap();
+    let variables = "[[vary]]\nkey = \"structure.material.youngs_modulus_pa\"\nname = \"modulus\"\n\
+        lognormal = { mean = 10.0, std = 0.6 }\n[[vary]]\nkey = \"structure.material.density_kg_m3\"\n\
+        name = \"density\"\nloguniform = [1.9, 2.1]\n[[quantity]]";
+    let with = |design: &str| {
+        let text = OF_MODE.replacen("kind = \"first-order\"", &format!("kind = \"sobol\"\n{design}"), 1);
+        let study = study(&text.replacen("[[quantity]]", variables, 1), OSCILLATOR, place.path());
+        assert!(run(&study, &Settings::default(), &mut Silent).unwrap().is_done());
+        Collected::new(&study, 1)
+    };
+    let (full, few) = (with("samples = 32\nsobol_indices = true"), with("samples = 19\nexpansion = true"));
+    assert_eq!((full.counts.complete, few.counts.complete), (192, 19));
+    for quantity in ["f", "f_at_peak"] {
+        let of = |all: &Collected| all.statistics.iter().find(|one| one.quantity == quantity).cloned().unwrap();
+        let (full, few) = (of(&full), of(&few));
+        let own = few.expansion.unwrap();
+        assert!(own.with_gradients == 19 && own.left_out < 1e-3, "{own:?}");
+        let [mean, std] = [full.spread.as_ref().unwrap().mean, full.spread.as_ref().unwrap().std];
+        assert!((own.mean - mean).abs() < 0.1 * std && (own.std / std - 1.0).abs() < 0.1, "{own:?} {mean} {std}");
+        for (full, few) in full.sobol_indices.iter().zip(&few.sobol_indices) {
+            let (a, b) = (full.measure, few.measure);
+            for (less, errors) in [
+                (a.first - b.first, [a.first_error, b.first_error]),
+                (a.total - b.total, [a.total_error, b.total_error]),
+            ] {
+                assert!(less.abs() < 2.0 * errors[0] + errors[1] + 1e-6, "{quantity} {full:?} {few:?}");
+            }
+        }
+    }
+    // Nothing is differentiated there, and a tenth of so many cases is too few for its values alone.
+    let ratio = few.statistics.iter().find(|one| one.quantity == "f_of_ratio").unwrap();
+    assert!(ratio.expansion.as_ref().is_none_or(|own| own.with_gradients == 0), "{ratio:?}");
+    let refused = |design: &str| {
+        let text = OF_MODE.replacen("kind = \"first-order\"", design, 1);
+        Study::parse_with_scene("study.toml", &text, OSCILLATOR).map_err(|refused| refused.text(false)).unwrap_err()
+    };
+    assert!(refused("kind = \"first-order\"\nexpansion = true").contains("`design.expansion` has no meaning"));
+    let both = "kind = \"sobol\"\nsamples = 4\nsobol_indices = true\nexpansion = true";
+    assert!(refused(both).contains("`design.sobol_indices` beside `design.expansion`"));
+}
