@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 
 use nlmodes_scene::assemble::Structures;
 
-use crate::case::{Case, cases, resolve};
+use crate::case::{Case, cases, cases_of, resolve};
 use crate::design::Points;
 use crate::error::StudyError;
 use crate::first_order::FirstOrder;
@@ -36,12 +36,16 @@ const LOOK: Duration = Duration::from_millis(50);
 /// # Errors
 /// [`StudyError`], if no case can be computed, or the disk is full.
 pub fn run(study: &Study, settings: &Settings, observer: &mut dyn StudyObserver) -> Result<StudyOutcome, StudyError> {
-    let all = cases(study, settings.jobs());
-    if let Some(Case { id: Err(reason), .. }) = all.first().filter(|_| all.iter().all(|case| case.id.is_err())) {
-        return Err(StudyError::NoCase { cases: all.len(), reason: reason.to_string() });
+    let all = cases_of(study, settings.shard, settings.jobs());
+    let none_of = |cases: &[Case]| cases.iter().all(|case| case.id.is_err());
+    if let Some(Case { id: Err(reason), .. }) = all.first().filter(|_| none_of(&all)) {
+        let whole = cases(study, settings.jobs());
+        if none_of(&whole) {
+            return Err(StudyError::NoCase { cases: whole.len(), reason: reason.to_string() });
+        }
     }
     let store = Store::new(&study.directory);
-    let mut outcome = StudyOutcome::new(&all, settings.shard);
+    let mut outcome = StudyOutcome::new(&all);
     let waiting = waiting(&all, &store, settings, &mut outcome)?;
     let points = Points::new(study);
     let shared = Shared {
@@ -151,7 +155,7 @@ fn waiting<'a>(
 ) -> Result<Vec<&'a Case>, StudyError> {
     let mut known = BTreeSet::new();
     let mut waiting = Vec::new();
-    for case in all.iter().filter(|case| settings.shard.has(case.number)) {
+    for case in all {
         let Ok(id) = &case.id else { continue };
         if !known.insert(id) {
             outcome.repeated += 1;

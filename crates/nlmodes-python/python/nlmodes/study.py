@@ -230,7 +230,7 @@ class Study:
         jobs
             Cases at a time; default as many as the machine has cores.
         shard
-            ``"i/n"``: every n-th case only, beginning with case i.
+            ``"i/n"``: every n-th point of the design only, beginning with point i.
         retry_failed, figures
             Compute cases that failed once more; draw figures and page of each case too.
         memory_limit
@@ -270,7 +270,7 @@ class Study:
         executor
             With ``submit(function, *arguments)`` that returns a future: ``ProcessPoolExecutor(8)``, ``distributed.Client(...)``, of threads too.
         chunks
-            Calls into which the cases are divided, each with every n-th case; default one a case, at most 1000.
+            Calls into which the cases are divided, each with every n-th point; default one a case, at most 1000.
         retry_failed
             Compute cases that failed once more.
         attempts

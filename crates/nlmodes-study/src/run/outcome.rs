@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::{Shard, worker::Done};
+use super::worker::Done;
 use crate::case::Case;
 use crate::store::Status;
 
@@ -54,8 +54,6 @@ impl StudyObserver for nlmodes_run::Silent {
 /// Outcome of a run of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StudyOutcome {
-    /// Cases of the whole study.
-    pub of_study: usize,
     /// Cases of this shard.
     pub cases: usize,
     /// Cases of it whose scene was rejected: they have a row, but nothing to compute.
@@ -79,12 +77,10 @@ pub struct StudyOutcome {
 }
 
 impl StudyOutcome {
-    pub(super) fn new(all: &[Case], shard: Shard) -> Self {
-        let own = || all.iter().filter(|case| shard.has(case.number));
+    pub(super) fn new(own: &[Case]) -> Self {
         Self {
-            of_study: all.len(),
-            cases: own().count(),
-            refused: own().filter(|case| case.id.is_err()).count(),
+            cases: own.len(),
+            refused: own.iter().filter(|case| case.id.is_err()).count(),
             repeated: 0,
             there: 0,
             computed: 0,

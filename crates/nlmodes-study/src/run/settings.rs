@@ -35,7 +35,7 @@ impl Settings {
     }
 }
 
-/// Every n-th case, beginning with one of the first n: `i/n`.
+/// Every n-th point of the design, beginning with one of the first n: `i/n`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shard {
     number: usize,
@@ -54,9 +54,9 @@ impl Shard {
         (number < of).then_some(Self { number, of })
     }
 
-    /// Whether the case belongs to it.
-    pub fn has(self, case: usize) -> bool {
-        case % self.of == self.number
+    /// Whether the point belongs to it.
+    pub fn has(self, point: usize) -> bool {
+        point % self.of == self.number
     }
 
     /// Whether it includes all cases.
