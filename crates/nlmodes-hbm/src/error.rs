@@ -30,12 +30,6 @@ pub enum HbmError {
     /// Laws of force together with damping that couples modes.
     #[error("laws of force beside damping that couples modes: give the dampers as laws too")]
     LawsBesideCoupledModes,
-    /// A gradient is asked for beside stops with a law of force, or by entries of matrices beside any law.
-    #[error(
-        "gradients are not computed beside stops with a law of force, nor by entries of stiffness and mass beside \
-        springs and dampers that follow one"
-    )]
-    LawsInGradient,
     /// Laws of force have no place at rest under static loads.
     #[error(
         "no place at rest is found under the static loads: the laws of force may give way under them, or hold a \

@@ -97,8 +97,8 @@ pub use periodic::{
     PowerSpring, TableLaw, about_rest_of_law, largest_value, law_length, laws_at_rest, modal_start, touch_spans,
 };
 pub use periodic::{
-    ChangedParts, Closing, ClosingEquation, Column, ContactMotion, Coordinates, DampedStop, EnergyGiven, Floquet,
-    Functional, Grazing, Load, LoadTerm, ModalDamping, ModalStructure, ModeAtRest, Motion, MotionChange,
+    ChangedParts, Changes, Closing, ClosingEquation, Column, ContactMotion, Coordinates, DampedStop, EnergyGiven,
+    Floquet, Functional, Grazing, Load, LoadTerm, ModalDamping, ModalStructure, ModeAtRest, Motion, MotionChange,
     MotionGradient, Opening, OperatingPoint, PeriodicMotion, PeriodicSettings, PeriodicSystem, PhaseCondition,
     PhaseLag, Refined, ResponseRow, Source, StructureChange, StructureState, StructureWeights, Watched, modal_grazing,
     modal_grazing_opened, modal_lift_off, modal_lift_off_opened,

@@ -30,7 +30,7 @@ mod weights;
 
 pub use adjoint::{MotionChange, MotionGradient, Watched};
 pub use analyses::Coordinates;
-pub use change::{ChangedParts, StructureChange, StructureState};
+pub use change::{ChangedParts, Changes, StructureChange, StructureState};
 pub use closing_equations::{ClosingEquation, EnergyGiven, Functional, Motion, PhaseCondition, PhaseLag};
 pub use damped_stop::DampedStop;
 pub use damping::ModalDamping;

@@ -72,7 +72,7 @@ pub fn of_branches(
         moved.push(toward);
     }
     let watched = base.watched(&first, &settings)?;
-    let settings = settings.with_gradients(Gradients { watched, changes });
+    let settings = settings.with_gradients(Gradients { watched, changes: changes.into() });
     let mut without = 0;
     for computed in branches {
         let all = mode_gradients(&base, &settings, own.symmetry, &computed.branch.points)?;

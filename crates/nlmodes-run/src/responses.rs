@@ -40,7 +40,7 @@ use crate::{Event, Failure, Observer, Over, RunError, links, no_contact};
 pub use curves::ComputedResponse;
 use curves::{Job, detached, follow, jobs};
 pub(crate) use curves::{curves_at, resonances_to};
-pub(crate) use gradients::gradients_at;
+pub(crate) use gradients::changes;
 pub use levels::Level;
 use overlaid::Beside;
 pub(crate) use picture::{effects, picture};

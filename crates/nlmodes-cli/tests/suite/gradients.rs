@@ -286,6 +286,9 @@ fn gradients_by_entries_of_stiffness_and_mass_are_those_of_runs_with_other_files
         [[response]]\nkind = \"frequency\"\nfrequency_hz = [12.0, 20.0]\n";
     let damped = [
         "[damping]\nratio = 0.02\n",
+        "[damping]\nratio = 0.02\n[[contact]]\nnode = 4\nnormal = [-1.0, 0.0, 0.0]\ngap_mm = 0.6\n\
+            stiffness_hertz_n_m15 = 5e6\ndissipation_s_m = 0.5\n[[spring]]\nnode = 3\n\
+            direction = [1.0, 0.0, 0.0]\nlaw = { polynomial = [0.0, 0.0, 1e10] }\n",
         "[damping]\nrayleigh = { mass_1_s = 2.0, stiffness_s = 1e-4 }\n[[damping.dashpot]]\nnode = 4\n\
             direction = [1.0, 0.0, 0.0]\ndamping_n_s_m = 3.0\n",
     ];
@@ -377,13 +380,16 @@ fn the_period_of_a_uniform_bar_changes_with_the_gap_as_its_closed_form_says() ->
     Ok(())
 }
 
-/// A cubic spring at the tip, one of another power and a damper along the beam, beside both stops.
-const LAWS: &str = "[[spring]]\nat_m = 0.5\ndirection = \"transverse\"\nlaw = { polynomial = [50.0, 0.0, 4e8] }\n\
+/// A stop with a law of force, a cubic spring at the tip, one of another power and a damper along the beam, beside both
+/// stops.
+const LAWS: &str = "[[contact]]\nat_m = 0.25\ndirection = \"transverse\"\nside = \"positive\"\ngap_mm = 0.25\n\
+    stiffness_hertz_n_m15 = 2e6\nexponent = 1.6\ndissipation_s_m = 1.5\n\
+    [[spring]]\nat_m = 0.5\ndirection = \"transverse\"\nlaw = { polynomial = [50.0, 0.0, 4e8] }\n\
     [[spring]]\nat_m = 0.25\ndirection = \"transverse\"\nlaw = { power = { stiffness = 2e5, exponent = 1.5 } }\n\
     [[spring]]\nat_m = 0.375\ndirection = \"transverse\"\nlaw = { damper = { coefficient = 3.0, exponent = 2.0 } }\n";
 
 #[test]
-fn gradients_beside_springs_and_dampers_with_a_law_are_those_of_runs() -> Outcome {
+fn gradients_beside_what_follows_a_law_of_force_are_those_of_runs() -> Outcome {
     let keys = [
         ("spring.0.law.polynomial.2", 4e8),
         ("spring.0.law.polynomial.0", 50.0),
@@ -392,6 +398,10 @@ fn gradients_beside_springs_and_dampers_with_a_law_are_those_of_runs() -> Outcom
         ("spring.2.law.damper.coefficient", 3.0),
         ("contact.0.gap_mm", 1.0),
         ("contact.0.stiffness_n_m", 2e4),
+        ("contact.2.gap_mm", 0.25),
+        ("contact.2.stiffness_hertz_n_m15", 2e6),
+        ("contact.2.exponent", 1.6),
+        ("contact.2.dissipation_s_m", 1.5),
         ("structure.section.height_mm", 6.0),
         ("structure.mass_point.0.mass_kg", 0.05),
         ("damping.ratio", 0.01),
@@ -420,7 +430,7 @@ fn gradients_beside_springs_and_dampers_with_a_law_are_those_of_runs() -> Outcom
     let mode = format!(
         "{beam}figures = false\npage = false\n[continuation]\nstart_energy_j = 1e-4\nmax_energy_ratio = 1.01\n"
     );
-    let keys = [keys[0], keys[2], keys[3], keys[7], keys[8]];
+    let keys = [keys[0], keys[2], keys[3], keys[11], keys[12]];
     let (_folder, base) = last_row(&with_keys(&mode, &keys), &[])?;
     for (key, value) in keys {
         let end = |factor: f64| last_row(&mode, &changed(key, value, factor, &[])).map(|(_, row)| row);

@@ -184,7 +184,6 @@ fn what_a_stop_with_a_law_of_force_excludes_is_refused_by_name() -> Outcome {
         (with(second), "`contact.0` has a law of force, and `contact.1` none"),
         (scene.replace("harmonics = 15", "harmonics = 15\nmass_redistribution = \"drop\""), "keep their mass"),
         (beam(HERTZ) + &base, "is fixed while the base moves"),
-        (with("[[sensitivity]]\nkey = \"contact.0.gap_m\"\n"), "gradients are not computed beside"),
     ] {
         fs::write(folder.path().join("scene.toml"), text)?;
         let output =

@@ -7,14 +7,16 @@ use nlmodes_continuation::{Linearization, ParametricSystem};
 use nlmodes_linalg::{DenseLu, Mat, max_norm};
 use num_complex::Complex64;
 
-use super::change::StructureChange;
+use super::change::Changes;
 use super::closing_equations::{Functional, Motion};
+use super::law::{StopMotion, law_value};
+use super::motion::largest_instant;
 use super::operating_point::{OperatingPoint, Source};
 use super::refine::Refined;
 use super::rows::{add_weights, complex_harmonic};
 use super::structure::ResponseRow;
 use super::system::PeriodicSystem;
-use super::weights::{Acted, StructureWeights};
+use super::weights::{Acted, LawSample, StructureWeights};
 use crate::HbmError;
 use crate::contact_statistics::Extreme;
 use crate::trigonometric::{Trigonometric, inner};
@@ -63,21 +65,22 @@ pub struct MotionGradient {
 }
 
 impl MotionGradient {
-    /// The derivatives by a parameter that changes the structure and its load like this.
+    /// The derivatives by each of these parameters.
     ///
     /// # Panics
-    /// If the change is one of another structure.
-    pub fn along(&self, change: &StructureChange) -> MotionChange {
-        let of = |weights: &Option<StructureWeights>| weights.as_ref().map_or(f64::NAN, |w| w.along(change));
-        MotionChange {
-            omega: of(&self.omega),
-            level: of(&self.level),
-            damping_ratio: of(&self.damping_ratio),
-            amplitude: of(&self.amplitude),
-            peak: of(&self.peak),
-            peak_force: of(&self.peak_force),
-            impulse: of(&self.impulse),
-        }
+    /// If the changes are those of another structure.
+    pub fn along(&self, changes: &Changes) -> Vec<MotionChange> {
+        let Self { omega, level, damping_ratio, amplitude, peak, peak_force, impulse } = self;
+        let all = [omega, level, damping_ratio, amplitude, peak, peak_force, impulse];
+        let known: Vec<&StructureWeights> = all.iter().filter_map(|weights| weights.as_ref()).collect();
+        let found = changes.times(&known);
+        let of = |p: usize| {
+            let mut row = (0..known.len()).map(|k| found[(p, k)]);
+            let [omega, level, damping_ratio, amplitude, peak, peak_force, impulse] =
+                all.map(|weights| weights.as_ref().and_then(|_| row.next()).unwrap_or(f64::NAN));
+            MotionChange { omega, level, damping_ratio, amplitude, peak, peak_force, impulse }
+        };
+        (0..found.nrows()).map(of).collect()
     }
 }
 
@@ -114,10 +117,9 @@ impl PeriodicSystem {
         &mut self,
         found: &Refined,
         watched: Option<&Watched>,
-        changes: &[StructureChange],
+        changes: &Changes,
     ) -> Result<Vec<MotionChange>, HbmError> {
-        let gradient = self.gradient_of(found, watched)?;
-        Ok(changes.iter().map(|change| gradient.along(change)).collect())
+        Ok(self.gradient_of(found, watched)?.along(changes))
     }
 
     /// Derivatives of the solution `found` by everything of the structure and its load.
@@ -162,7 +164,7 @@ impl PeriodicSystem {
             slopes[1].map(|_| self.scalar(of_ratio)),
             amplitude,
             self.peak(known),
-            Some(self.peak_force()),
+            Some(self.peak_force(known)),
             Some(self.impulse(known)),
         ];
         let [omega, damping_ratio, amplitude, peak, peak_force, impulse] = wanted.map(|wanted| {
@@ -225,6 +227,7 @@ impl PeriodicSystem {
         by_x.iter_mut().zip(self.generalised(&wanted.gaps)).for_each(|(to, from)| *to += from);
         by.iter_mut().zip(&known.moved).for_each(|(by, moved)| *by += inner(&wanted.gaps, moved));
         let mut row: Vec<f64> = by_x.iter().map(|by| by * self.unit()).collect();
+        row.iter_mut().zip(&wanted.of.x).for_each(|(to, from)| *to += from);
         row.resize(self.dim() + 1, 0.0);
         for (by, slope) in by.iter().zip(self.scalar_columns(known.p)) {
             slope.iter().for_each(|(column, slope)| row[*column] += by * slope);
@@ -274,7 +277,7 @@ impl PeriodicSystem {
             places.push(of_laws);
         }
         for (l, weights) in by_generalised[first..].chunks(width).enumerate().take(self.laws.len()) {
-            sum.laws[l] = self.laws.sample_weights(l, weights);
+            sum.laws[l].extend(self.laws.sample_weights(l, weights));
         }
         for (i, by_force) in by_force.chunks_mut(width).enumerate() {
             let generalised = by_generalised.chunks(width).enumerate();
@@ -329,30 +332,70 @@ impl PeriodicSystem {
         Some(wanted)
     }
 
-    /// The impulse of all contacts over the period.
+    /// The impulse of all contacts over the period, and of the laws behind them that are stops.
     fn impulse(&self, known: &Known) -> Wanted {
         let (omega, c) = (known.at.omega, self.structure.n_contacts());
-        let (period, mean) = (TAU / omega, self.operator.mean_forces().iter().sum::<f64>());
-        let forces = vec![(0, vec![Complex64::from(period); c])];
+        let period = TAU / omega;
+        // The reaction of a stop is its force on the structure, away from it.
+        let laws = self.structure.laws().iter().map(|placed| if placed.law.stop_gap().is_some() { -1.0 } else { 0.0 });
+        let signs: Vec<f64> = std::iter::repeat_n(1.0, c).chain(laws).collect();
+        let mean = known.motion[0].1.iter().zip(&signs).map(|(force, sign)| sign * force.re).sum::<f64>();
+        let forces = vec![(0, signs.iter().map(|sign| Complex64::from(period * sign)).collect())];
         let of = Functional { forces, by: [-period * mean / omega, 0.0, 0.0], ..Functional::default() };
         Wanted { of, ..self.nothing() }
     }
 
+    /// The laws that are stops, with what they do.
+    fn law_stops(&self) -> impl Iterator<Item = (usize, StopMotion)> {
+        (0..self.laws.len()).filter_map(|l| Some((l, self.laws.stop_motion(l)?)))
+    }
+
     /// The largest force of all contacts.
-    fn peak_force(&self) -> Wanted {
+    fn peak_force(&self, known: &Known) -> Wanted {
         let mut wanted = self.nothing();
         let hardest = (0..self.structure.n_contacts()).filter_map(|i| Some((i, self.operator.hardest(i)?)));
-        if let Some((contact, extreme)) = hardest.max_by(|a, b| a.1.value.total_cmp(&b.1.value)) {
-            self.add_hardest(contact, &extreme, 1.0, &mut wanted);
+        let contact = hardest.max_by(|a, b| a.1.value.total_cmp(&b.1.value));
+        let law = self.law_stops().max_by(|a, b| a.1.peak_force.total_cmp(&b.1.peak_force));
+        let least = contact.as_ref().map_or(0.0, |(_, extreme)| extreme.value);
+        match (contact, law.filter(|(_, stop)| stop.peak_force > least)) {
+            (_, Some((l, stop))) => self.add_law(l, &stop, known, &mut wanted),
+            (Some((contact, extreme)), None) => self.add_hardest(contact, &extreme, 1.0, &mut wanted),
+            (None, None) => {}
         }
         wanted
     }
 
+    /// The largest force of a law that is a stop.
+    fn add_law(&self, l: usize, stop: &StopMotion, known: &Known, wanted: &mut Wanted) {
+        let (omega, law) = (known.at.omega, &self.structure.laws()[l].law);
+        let (v, slope) = law_value(&stop.displacement, stop.peak_phase);
+        let at = law.at(v, omega * slope);
+        self.add_place(l, stop.peak_phase, [at.stiffness, omega * at.damping], wanted);
+        wanted.of.by[0] += at.damping * slope;
+        wanted.structure.laws[l].push(LawSample { v, rate: omega * slope, weight: 1.0 });
+    }
+
+    /// Displacement of a law and its derivative by the phase at an instant, with these weights.
+    fn add_place(&self, l: usize, phase: f64, [value, slope]: [f64; 2], wanted: &mut Wanted) {
+        let from = (self.response.first_law() + l) * self.series().width();
+        let [of_value, of_slope] = [0, 1].map(|order| self.basis(order, phase));
+        wanted.of.x.resize(self.n_coefficients(), 0.0);
+        for (to, (of_value, of_slope)) in wanted.of.x[from..].iter_mut().zip(of_value.iter().zip(&of_slope)) {
+            *to += (value * of_value + slope * of_slope) * self.unit();
+        }
+    }
+
     /// The largest displacement of the first contact toward its stop: the gap and what the stop yields where it
-    /// touches, else the gap less the smallest opening.
+    /// touches, else the gap less the smallest opening; of a law that is a stop the displacement of its place.
     fn peak(&self, known: &Known) -> Option<Wanted> {
         let mut wanted = self.nothing();
-        *wanted.structure.of.gaps.first_mut()? = 1.0;
+        let Some(gap) = wanted.structure.of.gaps.first_mut() else {
+            let (l, stop) = self.law_stops().next()?;
+            let [phase, _] = largest_instant(&stop.displacement);
+            self.add_place(l, phase, [1.0, 0.0], &mut wanted);
+            return Some(wanted);
+        };
+        *gap = 1.0;
         if let Some(extreme) = self.operator.hardest(0) {
             if let Some(k) = self.structure.damped_stop(0) {
                 self.add_yielded(k, known, &mut wanted);
@@ -363,7 +406,7 @@ impl PeriodicSystem {
             return Some(wanted);
         }
         let closest = self.operator.closest(0)?;
-        let (a, basis) = (self.structure.compliance().a(), self.basis(closest.phase));
+        let (a, basis) = (self.structure.compliance().a(), self.basis(0, closest.phase));
         for (set, share) in closest.shares() {
             let width = basis.len();
             wanted.gaps[..width].iter_mut().zip(&basis).for_each(|(to, basis)| *to -= share * basis);
@@ -379,7 +422,7 @@ impl PeriodicSystem {
     fn add_yielded(&self, k: usize, known: &Known, wanted: &mut Wanted) {
         let (spring, damper) = (self.structure.omega_squared()[k], self.structure.damping().entry(k, k));
         let stop: Vec<Complex64> = known.motion.iter().map(|(eta, _)| eta[k]).collect();
-        let (phase, _) = crate::contact_statistics::largest(&Trigonometric { z: stop.clone() }, 0.0, TAU);
+        let [phase, _] = largest_instant(&stop);
         let c = self.structure.n_contacts();
         for (n, s) in stop.into_iter().enumerate() {
             let (n_of, nu) = (n as f64, n as f64 * known.at.omega);
@@ -406,7 +449,7 @@ impl PeriodicSystem {
         if factor == 0.0 {
             return;
         }
-        let (basis, forces, set) = (self.basis(phase), self.forces_at(set, phase), self.operator.sets.get(set));
+        let (basis, forces, set) = (self.basis(0, phase), self.forces_at(set, phase), self.operator.sets.get(set));
         for (j, s) in set.force_row(contact) {
             let to = &mut wanted.gaps[j * basis.len()..(j + 1) * basis.len()];
             to.iter_mut().zip(&basis).for_each(|(to, basis)| *to += factor * s * basis);
@@ -422,22 +465,23 @@ impl PeriodicSystem {
         (0..y.len()).map(|i| set.force(i, &y)).collect()
     }
 
-    /// The value at an instant of each coefficient of a series, width.
-    pub(super) fn basis(&self, phase: f64) -> Vec<f64> {
+    /// The value at an instant of each coefficient of a series, width, or its derivative of this order by the phase.
+    pub(super) fn basis(&self, order: usize, phase: f64) -> Vec<f64> {
         let width = self.series().width();
         let one = |m: usize| (0..width).map(|k| f64::from(u8::from(k == m))).collect::<Vec<f64>>();
-        (0..width).map(|m| self.at_instant(&one(m), phase)[0]).collect()
+        (0..width).map(|m| self.derivative_at(&one(m), order, phase)).collect()
     }
 
     /// Values at an instant of a series for each contact, c.
     pub(super) fn at_instant(&self, series: &[f64], phase: f64) -> Vec<f64> {
+        series.chunks(self.series().width()).map(|real| self.derivative_at(real, 0, phase)).collect()
+    }
+
+    fn derivative_at(&self, real: &[f64], order: usize, phase: f64) -> f64 {
         let layout = self.series();
-        let value = |real: &[f64]| {
-            let mut z = vec![Complex64::default(); layout.n_harmonics + 1];
-            layout.to_complex(real, &mut z);
-            Trigonometric { z }.evaluate(phase)[0]
-        };
-        series.chunks(layout.width()).map(value).collect()
+        let mut z = vec![Complex64::default(); layout.n_harmonics + 1];
+        layout.to_complex(real, &mut z);
+        Trigonometric { z }.evaluate(phase)[order]
     }
 }
 

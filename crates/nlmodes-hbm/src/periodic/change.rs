@@ -1,12 +1,13 @@
 use std::sync::Arc;
 
-use nlmodes_linalg::Mat;
+use nlmodes_linalg::{Mat, column};
 use num_complex::Complex64;
 
-use super::law::{ForceLaw, PlacedLaw};
+use super::law::{ForceLaw, PlacedLaw, conservative};
 use super::load::{Load, LoadTerm, VariedHarmonic};
 use super::operating_point::OperatingPoint;
 use super::structure::{ModalStructure, ResponseRow};
+use super::weights::StructureWeights;
 use crate::HbmError;
 
 /// A structure with its load at one value of a parameter.
@@ -41,6 +42,8 @@ pub struct ChangedParts {
     pub compliance: Mat<f64>,
     /// Of the load of level one.
     pub terms: Vec<LoadTerm>,
+    /// Of the places of laws; what the load moves there is in its terms.
+    pub laws: Vec<ResponseRow>,
     /// Of the drive point.
     pub drive: Option<ResponseRow>,
     /// Of the displacement whose amplitude is followed.
@@ -54,28 +57,47 @@ pub(super) struct LawChange {
     pub modes: Vec<f64>,
     pub contacts: Vec<f64>,
     pub laws: Vec<f64>,
-    /// The law at several values of the parameter, with their weights in the difference quotient.
-    pub law: Vec<(f64, Arc<dyn ForceLaw>)>,
+    /// The law.
+    own: Arc<dyn ForceLaw>,
+    /// The law at several values of the parameter, with their weights in the difference quotient; a stop with the
+    /// clearance that it has.
+    law: Vec<(f64, Arc<dyn ForceLaw>)>,
+    /// Of the clearance of a stop, m.
+    gap: f64,
 }
 
 impl PartialEq for LawChange {
     fn eq(&self, other: &Self) -> bool {
         let same = self.law.iter().zip(&other.law).all(|(a, b)| a.0 == b.0 && Arc::ptr_eq(&a.1, &b.1));
         let places = |of: &Self| [of.modes.clone(), of.contacts.clone(), of.laws.clone()];
-        self.law.len() == other.law.len() && same && places(self) == places(other)
+        self.law.len() == other.law.len() && same && self.gap == other.gap && places(self) == places(other)
     }
 }
 
 impl LawChange {
     fn none(placed: &PlacedLaw) -> Self {
         let zeros = |of: &[f64]| vec![0.0; of.len()];
-        let PlacedLaw { modes, contacts, laws, .. } = placed;
-        Self { modes: zeros(modes), contacts: zeros(contacts), laws: zeros(laws), law: Vec::new() }
+        let PlacedLaw { modes, contacts, laws, law } = placed;
+        let [modes, contacts, laws] = [modes, contacts, laws].map(|of| zeros(of));
+        Self { modes, contacts, laws, own: law.clone(), law: Vec::new(), gap: 0.0 }
     }
 
-    /// Of the force where displacement and velocity stay.
+    /// Whether its force changes where the motion stays.
+    pub fn acts(&self) -> bool {
+        !self.law.is_empty()
+    }
+
+    fn add(&mut self, law: &Arc<dyn ForceLaw>, weight: f64) {
+        let moved = law.stop_gap().zip(self.own.stop_gap()).map(|(gap, own)| gap - own);
+        self.gap += weight * moved.unwrap_or(0.0);
+        self.law.push((weight, moved.and_then(|by| law.stop_moved(by)).unwrap_or_else(|| law.clone())));
+    }
+
+    /// Of the force where displacement and velocity stay. A stop acts in the touches that it has: their ends move, but
+    /// the force is zero there.
     pub fn force(&self, v: f64, rate: f64) -> f64 {
-        self.law.iter().map(|(weight, law)| weight * law.at(v, rate).force).sum()
+        let by_gap = if self.gap == 0.0 { 0.0 } else { -self.own.at(v, rate).stiffness * self.gap };
+        self.law.iter().map(|(weight, law)| weight * law.continued(v, rate)).sum::<f64>() + by_gap
     }
 }
 
@@ -89,8 +111,6 @@ pub struct StructureChange {
     pub(super) stiffness: Mat<f64>,
     /// Of `Ĉ`, m × m.
     pub(super) damping: Mat<f64>,
-    /// Whether that is not zero.
-    pub(super) damps: bool,
     /// Of `Y`, c × m.
     pub(super) rows: Mat<f64>,
     /// Of `A + C`, c × c.
@@ -108,24 +128,23 @@ pub struct StructureChange {
 }
 
 impl StructureChange {
-    /// `Σ w state` over values of the parameter: with the weights of a difference quotient the derivative.
+    /// `Σ w state` over values of the parameter beside that of `own`: with the weights of a difference quotient the
+    /// derivative.
     ///
     /// # Errors
-    /// [`HbmError::Size`] for states that are not of one structure, [`HbmError::LawsInGradient`] of one with stops that
-    /// follow a law of force.
-    pub fn of_differences(states: &[(StructureState<'_>, f64)]) -> Result<Self, HbmError> {
+    /// [`HbmError::Size`] for states that are not of one structure.
+    pub fn of_differences(own: &ModalStructure, states: &[(StructureState<'_>, f64)]) -> Result<Self, HbmError> {
         let Some((first, _)) = states.first() else {
             return Err(HbmError::Size { what: "states of a structure", expected: 1, found: 0 });
         };
         let mut change = Self {
             drive: first.drive.as_ref().map(nowhere),
             watched: first.watched.as_ref().map(nowhere),
-            ..Self::none(first.structure, first.load)
+            ..Self::none(own, first.load)
         };
         for (state, weight) in states {
             change.add(state, *weight)?;
         }
-        change.damps = is_any(&change.damping);
         Ok(change)
     }
 
@@ -141,16 +160,18 @@ impl StructureChange {
             ("contacts of a changed structure", c, parts.rows.nrows()),
             ("contacts of a changed compliance", c, parts.compliance.nrows()),
             ("terms of a changed load", load.terms().len(), parts.terms.len()),
+            ("laws of a changed structure", none.laws.len(), parts.laws.len()),
         ];
         if let Some(&(what, expected, found)) = sizes.iter().find(|(_, expected, found)| expected != found) {
             return Err(HbmError::Size { what, expected, found });
         }
-        if !structure.laws().is_empty() {
-            return Err(HbmError::LawsInGradient);
-        }
-        let ChangedParts { stiffness, damping, rows, compliance, terms, drive, watched } = parts;
-        let damps = is_any(&damping);
-        Ok(Self { stiffness, damping, damps, rows, compliance, terms, drive, watched, ..none })
+        let ChangedParts { stiffness, damping, rows, compliance, terms, laws, drive, watched } = parts;
+        let place = |(none, mut row): (LawChange, ResponseRow)| {
+            let laws = row.contacts.split_off(c);
+            LawChange { modes: row.modes, contacts: row.contacts, laws, ..none }
+        };
+        let laws = none.laws.into_iter().zip(laws).map(place).collect();
+        Ok(Self { stiffness, damping, rows, compliance, terms, laws, drive, watched, ..Self::none(structure, load) })
     }
 
     /// Nothing changes.
@@ -159,7 +180,6 @@ impl StructureChange {
         Self {
             stiffness: Mat::zeros(m, m),
             damping: Mat::zeros(m, m),
-            damps: false,
             rows: Mat::zeros(c, m),
             compliance: Mat::zeros(c, c),
             stop_compliance: vec![0.0; c],
@@ -185,9 +205,6 @@ impl StructureChange {
         ];
         if let Some(&(what, expected, found)) = sizes.iter().find(|(_, expected, found)| expected != found) {
             return Err(HbmError::Size { what, expected, found });
-        }
-        if structure.law_stops().next().is_some() {
-            return Err(HbmError::LawsInGradient);
         }
         // Stops that dissipate stay what they are.
         let moving = structure.n_moving();
@@ -223,7 +240,7 @@ impl StructureChange {
             add_turned(&turn, weight, &placed.modes, &mut own.modes);
             own.contacts.iter_mut().zip(&placed.contacts).for_each(|(to, from)| *to += weight * from);
             own.laws.iter_mut().zip(&placed.laws).for_each(|(to, from)| *to += weight * from);
-            own.law.push((weight, placed.law.clone()));
+            own.add(&placed.law, weight);
         }
         self.level += weight * state.level;
         for (own, other) in [(&mut self.drive, &state.drive), (&mut self.watched, &state.watched)] {
@@ -290,14 +307,110 @@ impl StructureChange {
         changed.map(of).sum()
     }
 
+    /// All its numbers in one order: of symmetric matrices the upper halves, of complex numbers the real parts and the
+    /// imaginary ones times a sign. Those of the load come last, so that a motion without one has none of them.
+    pub(super) fn numbers(&self, sign: f64) -> Vec<f64> {
+        let mut all = Vec::new();
+        for matrix in [&self.stiffness, &self.damping, &self.compliance] {
+            (0..matrix.ncols()).for_each(|j| all.extend_from_slice(&column(matrix, j)[..=j]));
+        }
+        (0..self.rows.ncols()).for_each(|j| all.extend_from_slice(column(&self.rows, j)));
+        for list in [&self.stop_compliance, &self.gaps, &self.steady] {
+            all.extend_from_slice(list);
+        }
+        all.push(self.level);
+        for law in &self.laws {
+            [&law.modes, &law.contacts, &law.laws].iter().for_each(|of| all.extend_from_slice(of));
+        }
+        let mut loads: Vec<Complex64> =
+            self.terms.iter().flat_map(|term| term.modal.iter().chain(&term.gaps)).copied().collect();
+        for row in [&self.drive, &self.watched] {
+            let ends = [all.len() + self.stiffness.nrows() + self.gaps.len() + self.laws.len(), loads.len()];
+            if let Some(row) = row {
+                all.extend(row.modes.iter().chain(&row.contacts));
+                loads.extend_from_slice(&row.loads);
+            }
+            all.resize(ends[0], 0.0);
+            loads.resize(ends[1] + self.terms.len(), Complex64::default());
+        }
+        all.extend(loads.iter().flat_map(|z| [z.re, sign * z.im]));
+        all
+    }
+
     /// Of `A + C`, c × c, m/N per unit.
     pub(super) fn compliance(&self) -> &Mat<f64> {
         &self.compliance
     }
 }
 
-fn is_any(matrix: &Mat<f64>) -> bool {
-    (0..matrix.ncols()).any(|j| matrix.col(j).iter().any(|entry| *entry != 0.0))
+/// Derivatives by any number of parameters, of which those of a motion are one product.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Changes {
+    /// The numbers of all parameters, a column each, of which some parameter changes each.
+    numbers: Mat<f64>,
+    /// The places of these among all numbers.
+    kept: Vec<usize>,
+    laws: Vec<Vec<LawChange>>,
+}
+
+impl From<Vec<StructureChange>> for Changes {
+    fn from(all: Vec<StructureChange>) -> Self {
+        let mut changed = Vec::new();
+        for change in &all {
+            let numbers = change.numbers(1.0);
+            changed.resize(numbers.len(), false);
+            changed.iter_mut().zip(&numbers).for_each(|(changed, number)| *changed |= *number != 0.0);
+        }
+        let kept: Vec<usize> = (0..changed.len()).filter(|k| changed[*k]).collect();
+        let (mut numbers, mut laws) = (Mat::zeros(kept.len(), all.len()), Vec::new());
+        for (p, change) in all.into_iter().enumerate() {
+            let own = change.numbers(1.0);
+            numbers.col_mut(p).iter_mut().zip(&kept).for_each(|(to, k)| *to = own[*k]);
+            laws.push(change.laws);
+        }
+        Self { numbers, kept, laws }
+    }
+}
+
+impl Default for Changes {
+    fn default() -> Self {
+        Vec::new().into()
+    }
+}
+
+impl Changes {
+    /// The same of motions without what dissipates.
+    #[must_use]
+    pub fn conservative(&self) -> Self {
+        let mut changes = self.clone();
+        for law in changes.laws.iter_mut().flatten() {
+            law.own = conservative(&law.own);
+            law.law.iter_mut().for_each(|(_, law)| *law = conservative(law));
+        }
+        changes
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.laws.is_empty()
+    }
+
+    /// The derivative by each parameter of each of the numbers that have these weights, parameters × numbers.
+    ///
+    /// # Panics
+    /// If the changes are those of another structure.
+    pub(super) fn times(&self, weights: &[&StructureWeights]) -> Mat<f64> {
+        let mut own = Mat::zeros(self.kept.len(), weights.len());
+        for (k, weights) in weights.iter().enumerate() {
+            let all = weights.of.numbers(-1.0);
+            own.col_mut(k).iter_mut().zip(&self.kept).for_each(|(to, at)| *to = all.get(*at).copied().unwrap_or(0.0));
+        }
+        let mut found = self.numbers.transpose() * own;
+        for (p, laws) in self.laws.iter().enumerate() {
+            weights.iter().enumerate().for_each(|(k, weights)| found[(p, k)] += weights.along_laws(laws));
+        }
+        found
+    }
 }
 
 fn still(term: &LoadTerm) -> LoadTerm {

@@ -68,6 +68,12 @@ pub trait ForceLaw: Send + Sync + Debug {
         let _ = by;
         None
     }
+
+    /// The force, N; of a stop as it goes on beyond the end of its touch, so that a slightly other one, which is left a
+    /// little earlier, differs smoothly.
+    fn continued(&self, v: f64, rate: f64) -> f64 {
+        self.at(v, rate).force
+    }
 }
 
 /// A law at its place: how the modes and the forces at contacts and other laws move it.
@@ -127,17 +133,15 @@ impl ModalStructure {
     /// [`HbmError::Size`], not for the damping of none.
     pub fn conservative(&self) -> Result<Self, HbmError> {
         let mut structure = self.with_damping(super::damping::ModalDamping::none(self.n_modes()))?;
-        let left = |(l, placed): (usize, &PlacedLaw)| match placed.law.dissipates() {
-            false => Some((l, placed.law.clone())),
-            true => Some((l, placed.law.without_dissipation()?)),
-        };
-        let kept: Vec<(usize, Arc<dyn ForceLaw>)> = self.laws.iter().enumerate().filter_map(left).collect();
-        let of = |(l, law): &(usize, Arc<dyn ForceLaw>)| PlacedLaw {
-            law: law.clone(),
-            laws: kept.iter().map(|(other, _)| self.laws[*l].laws[*other]).collect(),
-            ..self.laws[*l].clone()
-        };
-        structure.laws = kept.iter().map(of).collect();
+        structure.laws.iter_mut().for_each(|placed| placed.law = conservative(&placed.law));
         Ok(structure)
+    }
+}
+
+/// What a law does where nothing dissipates: one without a force keeps the place of a law of which nothing is left.
+pub(super) fn conservative(law: &Arc<dyn ForceLaw>) -> Arc<dyn ForceLaw> {
+    match law.dissipates() {
+        false => law.clone(),
+        true => law.without_dissipation().unwrap_or_else(|| Arc::new(Polynomial { coefficients: Vec::new() })),
     }
 }

@@ -11,6 +11,8 @@ use super::operating_point::OperatingPoint;
 use super::rows::complex_harmonic;
 use super::structure::ResponseRow;
 use super::system::PeriodicSystem;
+use crate::contact_statistics::largest;
+use crate::trigonometric::Trigonometric;
 use crate::{HbmError, Symmetry};
 
 /// What a contact does over a period.
@@ -277,7 +279,7 @@ impl PeriodicSystem {
 
     /// What a law does that is a stop.
     fn stop_motion(&self, l: usize, (forces, reactions): (&[Complex64], &[Complex64])) -> Option<ContactMotion> {
-        let StopMotion { closed_share, touches, peak_force, mean_force, approach, displacement } =
+        let StopMotion { closed_share, touches, peak_force, mean_force, approach, displacement, .. } =
             self.laws.stop_motion(l)?;
         let placed = &self.structure.laws()[l];
         let along = |row: &[f64], z: &[Complex64]| row.iter().zip(z).map(|(h, z)| z * *h).sum::<Complex64>();
@@ -348,23 +350,14 @@ fn displacements(motion: &PeriodicMotion, rows: &ResponseRows) -> HarmonicCoeffi
     all
 }
 
-/// Samples of a period for each harmonic in which the largest value of a series is looked for.
-const SAMPLES: usize = 64;
-
-/// Largest value of `Re Σ z_n e^{inτ}`: of samples, each with the parabola through it and its neighbours.
+/// Largest value of `Re Σ z_n e^{inτ}`.
 pub fn largest_value(z: &[Complex64]) -> f64 {
-    let count = SAMPLES * z.len();
-    let value = |j: usize| {
-        let tau = std::f64::consts::TAU * j as f64 / count as f64;
-        z.iter().enumerate().map(|(n, z)| (z * Complex64::cis(n as f64 * tau)).re).sum::<f64>()
-    };
-    let samples: Vec<f64> = (0..count).map(value).collect();
-    let top = |j: usize| {
-        let (a, b, c) = (samples[(j + count - 1) % count], samples[j], samples[(j + 1) % count]);
-        let bend = a - 2.0 * b + c;
-        if bend < 0.0 && b >= a && b >= c { b - (c - a).powi(2) / (8.0 * bend) } else { b }
-    };
-    (0..count).map(top).fold(f64::NEG_INFINITY, f64::max)
+    largest_instant(z)[1]
+}
+
+/// Where it is, and the largest value. What is looked at begins before the phase zero, which thus is no end.
+pub(super) fn largest_instant(z: &[Complex64]) -> [f64; 2] {
+    largest(&Trigonometric { z: z.to_vec() }, -1.0, TAU).into()
 }
 
 #[cfg(test)]

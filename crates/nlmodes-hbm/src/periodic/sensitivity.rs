@@ -62,7 +62,7 @@ impl PeriodicSystem {
         let guard = |set: usize, dy: &dyn Fn(usize) -> f64| -> f64 {
             self.operator.sets.get(set).guard_row(contact).map(|(j, g)| g * dy(j)).sum()
         };
-        let (unit, d, basis) = (self.unit(), self.response.n_coordinates(), self.basis(closest.phase));
+        let (unit, d, basis) = (self.unit(), self.response.n_coordinates(), self.basis(0, closest.phase));
         let (width, c) = (basis.len(), self.structure.n_contacts());
         let mut by = vec![0.0; self.dim() + 1];
         for (k, by) in by[..d * width].iter_mut().enumerate() {

@@ -1,7 +1,6 @@
-use nlmodes_linalg::{Mat, column};
 use num_complex::Complex64;
 
-use super::change::{StructureChange, nowhere};
+use super::change::{LawChange, StructureChange, nowhere};
 use super::closing_equations::Motion;
 use super::load::Load;
 use super::operating_point::OperatingPoint;
@@ -45,40 +44,20 @@ impl StructureWeights {
     /// # Panics
     /// If the change is one of another structure.
     pub fn along(&self, change: &StructureChange) -> f64 {
-        let own = &self.of;
-        let matrices = [(&own.stiffness, &change.stiffness, true), (&own.compliance, &change.compliance, true)];
-        let damping = change.damps.then_some((&own.damping, &change.damping, true));
-        let matrices = matrices.into_iter().chain(damping).chain([(&own.rows, &change.rows, false)]);
-        let lists =
-            [(&own.stop_compliance, &change.stop_compliance), (&own.gaps, &change.gaps), (&own.steady, &change.steady)];
-        let complex = |w: &[Complex64], z: &[Complex64]| w.iter().zip(z).map(|(w, z)| (w * z).re).sum::<f64>();
-        let loads = own.terms.iter().zip(&change.terms);
-        let loads = loads.map(|(w, of)| complex(&w.modal, &of.modal) + complex(&w.gaps, &of.gaps)).sum::<f64>();
-        let rows = [(&own.drive, &change.drive), (&own.watched, &change.watched)];
-        let rows = rows.into_iter().filter_map(|(w, of)| w.as_ref().zip(of.as_ref()));
-        let rows = rows
-            .map(|(w, of)| dot(&w.modes, &of.modes) + dot(&w.contacts, &of.contacts) + complex(&w.loads, &of.loads));
-        matrices.map(|(w, of, is_folded)| dot_of_columns(w, of, is_folded)).sum::<f64>()
-            + lists.map(|(w, of)| dot(w, of)).iter().sum::<f64>()
-            + loads
-            + own.level * change.level
-            + rows.sum::<f64>()
-            + self.along_laws(change)
+        let products = self.of.numbers(-1.0).iter().zip(change.numbers(1.0)).map(|(w, of)| w * of).sum::<f64>();
+        products + self.along_laws(&change.laws)
     }
 
-    fn along_laws(&self, change: &StructureChange) -> f64 {
-        let places = self.of.laws.iter().zip(&change.laws);
-        let places =
-            places.map(|(w, of)| dot(&w.modes, &of.modes) + dot(&w.contacts, &of.contacts) + dot(&w.laws, &of.laws));
-        let forces = self
-            .laws
-            .iter()
-            .zip(&change.laws)
-            .map(|(samples, law)| samples.iter().map(|at| at.weight * law.force(at.v, at.rate)).sum::<f64>());
-        places.chain(forces).sum()
+    /// What the forces of laws do, where the motion stays.
+    pub(super) fn along_laws(&self, laws: &[LawChange]) -> f64 {
+        let of = |(samples, law): (&Vec<LawSample>, &LawChange)| {
+            samples.iter().map(|at| at.weight * law.force(at.v, at.rate)).sum::<f64>()
+        };
+        self.laws.iter().zip(laws).filter(|(_, law)| law.acts()).map(of).sum()
     }
 
-    /// Adds the weights below the diagonals of what is symmetric to those above: [`along`](Self::along) reads these.
+    /// Adds the weights below the diagonals of what is symmetric to those above, which are its
+    /// [numbers](StructureChange::numbers).
     pub(super) fn fold(&mut self) {
         for matrix in [&mut self.of.stiffness, &mut self.of.damping, &mut self.of.compliance] {
             for j in 0..matrix.ncols() {
@@ -91,6 +70,9 @@ impl StructureWeights {
 
     /// Adds other weights times a factor.
     pub(super) fn add(&mut self, factor: f64, other: &Self) {
+        for (to, from) in self.laws.iter_mut().zip(&other.laws) {
+            to.extend(from.iter().map(|at| LawSample { weight: factor * at.weight, ..*at }));
+        }
         let (own, other) = (&mut self.of, &other.of);
         let matrices = [
             (&mut own.stiffness, &other.stiffness),
@@ -198,30 +180,6 @@ fn weigh_row(factor: Complex64, to: &mut ResponseRow, row: &ResponseRow, n: usiz
         level += (factor * row.loads.get(t).copied().unwrap_or_default()).re;
     }
     level
-}
-
-/// Sums that are taken side by side, so that a processor need not wait for each.
-const SUMS: usize = 8;
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let (whole, rest) = (a.chunks_exact(SUMS), a.chunks_exact(SUMS).remainder());
-    let mut sums = [0.0; SUMS];
-    for (a, b) in whole.zip(b.chunks_exact(SUMS)) {
-        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
-            *sum += a * b;
-        }
-    }
-    let behind = a.len() - rest.len();
-    sums.iter().sum::<f64>() + rest.iter().zip(&b[behind..]).map(|(a, b)| a * b).sum::<f64>()
-}
-
-/// Sum over all entries, or, of matrices that are folded, over those up to the diagonal.
-fn dot_of_columns(a: &Mat<f64>, b: &Mat<f64>, is_folded: bool) -> f64 {
-    let of_column = |j: usize| {
-        let end = if is_folded { j + 1 } else { a.nrows() };
-        dot(&column(a, j)[..end], &column(b, j)[..end])
-    };
-    (0..a.ncols()).map(of_column).sum()
 }
 
 fn add_scaled<T>(factor: f64, from: &[T], to: &mut [T])

@@ -7,15 +7,15 @@ use nlmodes::branches::Watch;
 use nlmodes::hbm::Coordinates;
 use nlmodes::modal::{ModalBranch, ModalPoint, Participation};
 use nlmodes::response::{
-    Appropriation, EndReason, Event, FinerSettings, ResponseCurve, ResponseError, ResponseModel, ResponsePoint,
-    ResponseSettings, StepLog, appropriation, branching_responses, conservative_mode, damped_mode, detached_response,
-    force_response, frequency_response, lies_on, phase_resonance, response_from_other_end,
+    Appropriation, EndReason, Event, FinerSettings, Gradients, ResponseCurve, ResponseError, ResponseModel,
+    ResponsePoint, ResponseSettings, StepLog, appropriation, branching_responses, conservative_mode, damped_mode,
+    detached_response, force_response, frequency_response, lies_on, phase_resonance, response_from_other_end,
 };
 use nlmodes_scene::number;
 use nlmodes_scene::scene::{AtBranchPoint, Response, ResponseKind, Scene, StabilityChoice, Switching};
 
 use super::convert::Converter;
-use super::gradients::gradients;
+use super::gradients::changes;
 use crate::chain;
 use crate::model::Model;
 
@@ -170,8 +170,8 @@ pub fn follow(
     };
     let followed = model.with_drive(job.response).and_then(|system| {
         let held = job.level.filter(|_| job.wanted.kind == ResponseKind::Frequency);
-        let differentiated = gradients(model, scene, (job.response, held), &settings, &system)?;
-        let settings = settings.with_gradients(differentiated);
+        let (watched, changes) = changes(model, scene, (job.response, held), &settings, &system)?;
+        let settings = settings.with_gradients(Gradients { watched, changes: changes.into() });
         let (curves, accuracy) = accurate(&system, scene, &job, &settings)?;
         let converter = Converter::new(model, &system, job.wanted.kind, job.wanted.subharmonic)?;
         let mut all = Vec::new();

@@ -1,24 +1,26 @@
 //! The parameters by which the points of a response are differentiated.
 
-use nlmodes::response::{Gradients, ParameterState, ResponseError, ResponseModel, ResponseSettings, Weights};
+use nlmodes::hbm::{StructureChange, Watched};
+use nlmodes::response::{ParameterState, ResponseError, ResponseModel, ResponseSettings, Weights};
 use nlmodes_scene::scene::Scene;
 
 use crate::model::{Model, Parameter};
 
 /// What the parameters of the scene do to the structure and the load of a response, at one of its levels where its
-/// motions are at that; along others the level is no value of the scene.
+/// motions are at that; along others the level is no value of the scene. The displacement whose amplitude is followed
+/// comes first.
 ///
 /// # Errors
 /// [`ResponseError`] where the modes at another value of a parameter are others.
-pub fn gradients(
+pub fn changes(
     model: &Model,
     scene: &Scene,
     (response, level): (usize, Option<f64>),
     settings: &ResponseSettings,
     system: &ResponseModel,
-) -> Result<Gradients, ResponseError> {
+) -> Result<(Option<Watched>, Vec<StructureChange>), ResponseError> {
     if model.parameters.is_empty() {
-        return Ok(Gradients::default());
+        return Ok((None, Vec::new()));
     }
     let levels = |scene: &Scene| scene.responses.get(response).map(|own| own.levels.clone());
     let number = level.and_then(|level| levels(scene)?.iter().position(|l| *l == level));
@@ -38,21 +40,7 @@ pub fn gradients(
     };
     let changes = model.parameters.iter().map(change).collect::<Result<_, _>>()?;
     let watched = first(model).map(|weights| system.watched(&weights, settings)).transpose()?.flatten();
-    Ok(Gradients { watched, changes })
-}
-
-/// The same at a level of a response.
-///
-/// # Errors
-/// As [`gradients`].
-pub fn gradients_at(
-    model: &Model,
-    scene: &Scene,
-    (response, level): (usize, f64),
-    settings: &ResponseSettings,
-    system: &ResponseModel,
-) -> Result<Gradients, ResponseError> {
-    gradients(model, scene, (response, Some(level)), settings, system)
+    Ok((watched, changes))
 }
 
 /// Displacement of the first contact toward its stop or, without one, of the first spring.

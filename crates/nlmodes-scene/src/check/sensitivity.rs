@@ -97,8 +97,7 @@ fn listed(key: &str) -> Option<String> {
     key.strip_prefix("response.").map(|rest| format!("response.0.{rest}"))
 }
 
-/// Refuses what has no gradients: scenes that are not in free-interface modes, stops with a law of force, exact
-/// motions.
+/// Refuses what has no gradients: scenes that are not in free-interface modes, exact motions.
 pub fn refuse(scene: &Scene, diagnostics: &mut Diagnostics<'_>) {
     if scene.sensitivities.is_empty() {
         return;
@@ -114,9 +113,6 @@ pub fn refuse(scene: &Scene, diagnostics: &mut Diagnostics<'_>) {
     } else if scene.method.kind == crate::scene::MethodKind::Shooting {
         let title = "gradients are computed of motions in harmonics, not by shooting";
         refused(title, "method.kind = \"ms-hbm\" computes the same mode", "expected another method", diagnostics);
-    } else if scene.contacts.iter().any(|contact| contact.hertz.is_some()) {
-        let title = "gradients are not computed beside stops with a law of force";
-        refused(title, "`stiffness_n_m` makes a stop linear", "expected stops without a law of force", diagnostics);
     } else if scene.updating.is_some() {
         let title = "gradients are not computed of parameters that are fitted first";
         refused(

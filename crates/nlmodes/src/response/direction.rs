@@ -35,8 +35,8 @@ impl ResponseModel {
     /// directions.
     ///
     /// # Errors
-    /// [`ResponseError::DirectionBeside`] what is differentiated in other ways, [`ResponseError::Problem`] beside laws
-    /// of force, or what the reduction has against a direction.
+    /// [`ResponseError::DirectionBeside`] what is differentiated in other ways, or what the reduction has against a
+    /// direction.
     pub fn changes_along(
         &self,
         directions: &[MatrixDirection],
@@ -53,11 +53,17 @@ impl ResponseModel {
         if !self.structure().steady_force().is_empty() {
             return refused("a static load on a structure that floats");
         }
+        let mut stops = self.structure().law_stops().filter_map(|placed| placed.law.stop_gap());
+        if stops.any(|gap| gap < 0.0) {
+            return refused("a stop with a law of force that presses at rest");
+        }
         let (open, (damping, dashpots)) = (self.open_modes(), self.damping());
         if damping.slope(0, 1.0).is_none() {
             return refused("damping that couples modes");
         }
         let mut places = Places { all: Vec::new(), contacts: open.n_contacts() };
+        let laws = (0..self.structure().laws().len()).filter_map(|law| self.law_weights(law));
+        let laws: Vec<usize> = laws.map(|weights| places.number(weights)).collect();
         let forces: Vec<usize> = self.forces().iter().map(|force| places.number(&force.weights)).collect();
         let dashpots: Vec<(usize, f64)> = dashpots.iter().map(|one| (places.number(&one.at), one.damping)).collect();
         let drive = self.drive_weights().map(|weights| places.number(weights));
@@ -77,9 +83,10 @@ impl ResponseModel {
             let change = prepared.along(direction)?;
             let parts = ChangedParts {
                 damping: self.damping_along(&change, &dashpots),
-                terms: self.terms_along(&change, &forces, settings),
-                drive: drive.map(|place| self.row_along(&change, place, &forces)),
-                watched: watched.map(|place| self.row_along(&change, place, &forces)),
+                terms: self.terms_along(&change, (&forces, &laws), settings),
+                laws: laws.iter().map(|place| self.row_along(&change, *place, (&forces, &laws))).collect(),
+                drive: drive.map(|place| self.row_along(&change, place, (&forces, &laws))),
+                watched: watched.map(|place| self.row_along(&change, place, (&forces, &laws))),
                 stiffness: self.with_stops(&change.stiffness),
                 rows: Mat::from_fn(open.n_contacts(), self.structure().n_modes(), |i, k| {
                     if k < open.n_modes() { change.rows[(i, k)] } else { 0.0 }
@@ -116,7 +123,12 @@ impl ResponseModel {
         self.with_stops(&Mat::from_fn(m, m, of))
     }
 
-    fn terms_along(&self, change: &OpenChange, forces: &[usize], settings: &ResponseSettings) -> Vec<LoadTerm> {
+    fn terms_along(
+        &self,
+        change: &OpenChange,
+        (forces, laws): (&[usize], &[usize]),
+        settings: &ResponseSettings,
+    ) -> Vec<LoadTerm> {
         let (m, c) = (self.open_modes().n_modes(), self.open_modes().n_contacts());
         let of = |(force, &place): (&ForceAt, &usize)| {
             let amplitude = amplitude(force);
@@ -124,18 +136,18 @@ impl ResponseModel {
                 harmonic: settings.subharmonic * force.harmonic,
                 omega_power: 0,
                 modal: self.padded((0..m).map(|k| amplitude * change.rows[(place, k)]).collect()),
-                gaps: (0..c).map(|i| amplitude * change.flexibility[(i, place)]).collect(),
+                gaps: (0..c).chain(laws.iter().copied()).map(|i| amplitude * change.flexibility[(i, place)]).collect(),
             }
         };
         self.forces().iter().zip(forces).map(of).collect()
     }
 
-    fn row_along(&self, change: &OpenChange, place: usize, forces: &[usize]) -> ResponseRow {
+    fn row_along(&self, change: &OpenChange, place: usize, (forces, laws): (&[usize], &[usize])) -> ResponseRow {
         let (m, c) = (self.open_modes().n_modes(), self.open_modes().n_contacts());
         let of_force = |(force, &at): (&ForceAt, &usize)| amplitude(force) * change.flexibility[(place, at)];
         ResponseRow {
             modes: self.padded((0..m).map(|k| change.rows[(place, k)]).collect()),
-            contacts: (0..c).map(|i| change.flexibility[(place, i)]).collect(),
+            contacts: (0..c).chain(laws.iter().copied()).map(|i| change.flexibility[(place, i)]).collect(),
             loads: self.forces().iter().zip(forces).map(of_force).collect(),
         }
     }

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use nlmodes_contact::solver_by_name;
 use nlmodes_hbm::{
-    HbmError, MotionChange, PeriodicSettings, PeriodicSystem, Scales, StructureChange, StructureState, Symmetry,
-    Watched,
+    Changes, HbmError, MotionChange, PeriodicSettings, PeriodicSystem, Scales, StructureChange, StructureState,
+    Symmetry, Watched,
 };
 use nlmodes_linalg::{Mat, symmetric_eigen};
 use nlmodes_modal::ModalPoint;
@@ -22,7 +22,7 @@ pub struct Gradients {
     /// The displacement whose amplitude is followed.
     pub watched: Option<Watched>,
     /// What each parameter does to the structure and its load.
-    pub changes: Vec<StructureChange>,
+    pub changes: Changes,
 }
 
 /// A structure with its load at one value of a parameter.
@@ -59,7 +59,7 @@ impl ResponseModel {
     ///
     /// # Errors
     /// [`ResponseError::OtherModes`], [`ResponseError::ModesOfGradient`] or [`ResponseError::MeshOfGradient`] where
-    /// the retained modes are not those of this structure, [`ResponseError::Problem`] beside laws of force.
+    /// the retained modes are not those of this structure.
     pub fn change(
         &self,
         states: &[ParameterState],
@@ -79,7 +79,7 @@ impl ResponseModel {
             };
             all.push((of, state.weight));
         }
-        Ok(StructureChange::of_differences(&all)?)
+        Ok(StructureChange::of_differences(self.structure(), &all)?)
     }
 }
 

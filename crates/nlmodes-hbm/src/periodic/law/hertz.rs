@@ -57,6 +57,10 @@ impl ForceLaw for HertzStop {
     fn stop_moved(&self, by: f64) -> Option<Arc<dyn ForceLaw>> {
         Some(Arc::new(Self { gap: self.gap - by, ..*self }))
     }
+
+    fn continued(&self, v: f64, rate: f64) -> f64 {
+        self.at(v, 0.0).force * (1.0 + self.dissipation * rate)
+    }
 }
 
 #[cfg(test)]

@@ -47,8 +47,9 @@ pub(crate) struct StopMotion {
     /// Share of the period in which it is touched, and how often.
     pub closed_share: f64,
     pub touches: usize,
-    /// Largest force, and mean force, N.
+    /// Largest force, where it is, and mean force, N.
     pub peak_force: f64,
+    pub peak_phase: f64,
     pub mean_force: f64,
     /// Fastest approach with which it is touched, m/s.
     pub approach: f64,
@@ -164,10 +165,13 @@ impl LawOperator {
         let sampled = &self.laws[l];
         let Instants::Touches { spans, .. } = &sampled.instants else { return None };
         let approach = spans.iter().map(|[from, _]| sampled.omega * value(&sampled.z, *from).1);
+        let hardest = spans.iter().map(|span| sampled.peak_force(*span)).max_by(|a, b| a[1].total_cmp(&b[1]));
+        let [peak_phase, peak_force] = hardest.unwrap_or_default();
         Some(StopMotion {
             closed_share: spans.iter().fold(0.0, |sum, [from, to]| sum + to - from) / TAU,
             touches: spans.len(),
-            peak_force: spans.iter().map(|span| sampled.peak_force(*span)).fold(0.0, f64::max),
+            peak_force,
+            peak_phase,
             mean_force: sampled.mean(|j| sampled.force[j]),
             approach: approach.fold(0.0, f64::max),
             displacement: sampled.z.clone(),
@@ -225,16 +229,16 @@ impl Sampled {
         }
     }
 
-    /// Largest force within a touch, N, by golden sections about the instant of the largest one.
-    fn peak_force(&self, [from, to]: [f64; 2]) -> f64 {
-        let Instants::Touches { nodes, .. } = &self.instants else { return 0.0 };
+    /// Largest force within a touch, N, behind its phase, by golden sections about the instant of the largest one.
+    fn peak_force(&self, [from, to]: [f64; 2]) -> [f64; 2] {
+        let Instants::Touches { nodes, .. } = &self.instants else { return [from, 0.0] };
         let force = |tau: f64| {
             let (v, slope) = value(&self.z, tau);
             self.law.at(v, self.omega * slope).force
         };
         let within: Vec<usize> = (0..nodes.len()).filter(|&j| nodes[j][0] >= from && nodes[j][0] <= to).collect();
         let Some(k) = (0..within.len()).max_by(|a, b| self.force[within[*a]].total_cmp(&self.force[within[*b]])) else {
-            return 0.0;
+            return [from, 0.0];
         };
         let phase = |k: usize| within.get(k).map(|&j| nodes[j][0]);
         let mut low = k.checked_sub(1).and_then(phase).unwrap_or(from);
@@ -244,7 +248,8 @@ impl Sampled {
             let [a, b] = [high - golden * (high - low), low + golden * (high - low)];
             if force(a) < force(b) { low = a } else { high = b }
         }
-        force(0.5 * (low + high)).max(self.force[within[k]])
+        let middle = 0.5 * (low + high);
+        [middle, force(middle).max(self.force[within[k]])]
     }
 }
 

@@ -5,7 +5,7 @@ use nlmodes_hbm::{Grazing, HbmError, PeriodicSystem, Symmetry};
 use super::touching::as_gaps_close;
 use crate::response::follow::{Curve, newton};
 use crate::response::linear::unknowns_at_rest;
-use crate::response::{ResponseCurve, ResponseError, ResponseModel, ResponseSettings};
+use crate::response::{Gradients, ResponseCurve, ResponseError, ResponseModel, ResponseSettings};
 use crate::touching::growing;
 
 /// The damped nonlinear mode `settings.mode` from grazing to `energy_ratio` times the energy there, or to an end of the
@@ -49,7 +49,11 @@ fn free_motion(
         let (what, expected) = ("the largest energy over that at grazing", "a number above 1");
         return Err(ResponseError::Setting { what, value: energy_ratio, expected });
     }
-    let own = ResponseSettings { stability: false, subharmonic: 1, ..settings.clone() };
+    let mut own = ResponseSettings { stability: false, subharmonic: 1, ..settings.clone() };
+    if !is_damped {
+        let Gradients { watched, changes } = &*settings.gradients;
+        own = own.with_gradients(Gradients { watched: watched.clone(), changes: changes.conservative() });
+    }
     let solver = solver_by_name(&settings.contact_solver).map_err(HbmError::Compliance)?;
     let structure = model.structure();
     let start = model.linear_start(settings.mode)?;
