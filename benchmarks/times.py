@@ -43,6 +43,38 @@ def rod(**changes):
     return CONFIGS / "rod.toml", changes
 
 
+def lattice(parameters, n=25):
+    """Writes a lattice of n x n masses on springs before a stop at a corner, differentiated by so many entries of its stiffness."""
+
+    def write(folder):
+        k = {}
+        for a in range(n * n):
+            ends = ([a + 1] if (a + 1) % n else []) + ([a + n] if a + n < n * n else []) + ([None] if a < n else [])
+            for j, b in enumerate(ends):
+                s = 1e6 * (1.0 + 0.1 * math.sin(3.0 * a + j))
+                k[a, a] = k.get((a, a), 0.0) + s
+                if b is not None:
+                    k[b, b] = k.get((b, b), 0.0) + s
+                    k[b, a] = k.get((b, a), 0.0) - s
+        for name, entries in {"k": k, "m": {(a, a): 0.01 for a in range(n * n)}}.items():
+            lines = [f"{a + 1} {b + 1} {value!r}" for (a, b), value in entries.items()]
+            head = f"%%MatrixMarket matrix coordinate real symmetric\n{n * n} {n * n} {len(lines)}\n"
+            (folder / f"{name}.mtx").write_text(head + "\n".join(lines) + "\n")
+        (folder / "dofs.csv").write_text("".join(f"{a},{a},uz\n" for a in range(1, n * n + 1)))
+        rows = [f"k_{a + 1}_{b + 1},stiffness,{a + 1},uz,{b + 1},uz,1.0" for a, b in list(k)[:parameters]]
+        head = "parameter,matrix,node,component,other_node,other_component,value\n"
+        (folder / "entries.csv").write_text(head + "\n".join(rows) + "\n")
+        asked = '[[sensitivity]]\nentries = "entries.csv"\n' if parameters else ""
+        (folder / "lattice.toml").write_text(
+            '[structure]\nkind = "matrices"\nstiffness = "k.mtx"\nmass = "m.mtx"\ndofs = "dofs.csv"\n'
+            f"[[contact]]\nnode = {n * n}\nnormal = [0.0, 0.0, 1.0]\ngap_mm = 1.0\nstiffness_n_m = 1e6\n"
+            f'[reduction]\nmodes = 30\n[output]\nfigures = false\npage = false\nstability = "never"\n{asked}'
+        )
+        return folder / "lattice.toml"
+
+    return write
+
+
 SCENES = {
     "rod.toml": rod(),
     "beam.toml": (CONFIGS / "beam.toml", {}),
@@ -54,11 +86,20 @@ SCENES = {
     "rod of 10^4 elements, 20 harmonics": rod(**{"structure.elements": 10_000, "method.harmonics": 20}),
     "rod of 10^5 elements, 1 harmonic": rod(**{"structure.elements": 100_000, "method.harmonics": 1}),
     "rod of 10^6 elements, 1 harmonic": rod(**{"structure.elements": 1_000_000, "method.harmonics": 1}),
+} | {
+    f"lattice, {parameters} parameters, {ratio} grazing energies": (
+        lattice(parameters),
+        {"method.harmonics": 10, "continuation.max_energy_ratio": ratio},
+    )
+    for parameters in (0, 1, 1000)
+    for ratio in (1.3, 40.0)
 }
 
 
 def measured(program, scene, changes, folder):
     """Least processor time of some runs, wall time of the computation, points, evaluations and end of the branch."""
+    if callable(scene):
+        scene = scene(folder)
     if isinstance(scene, str):
         path = folder / "scene.toml"
         path.write_text(scene)
