@@ -92,7 +92,8 @@ fn said_better(mut error: clap::Error, arguments: &[OsString]) -> clap::Error {
             _ => String::new(),
         };
         let command = CommandLine::command();
-        let meant = nearest(&typed, command.get_subcommands().map(clap::Command::get_name));
+        let own = arguments.get(1).and_then(|own| command.find_subcommand(own)).unwrap_or(&command);
+        let meant = nearest(&typed, own.get_subcommands().map(clap::Command::get_name));
         let meant = ContextValue::Strings(meant.map(str::to_owned).into_iter().collect());
         error.remove(ContextKind::SuggestedSubcommand);
         if Path::new(&typed).extension().is_some_and(|ending| ending == "toml") {
