@@ -24,8 +24,8 @@ pub struct Arguments {
     /// Number of cases at a time [default: number of cores]
     #[arg(long, value_name = "N")]
     jobs: Option<NonZeroUsize>,
-    /// Only every n-th point of the design, beginning with point i from 0: the shards of several machines, 0/n to (n−1)/n; without
-    /// table and page
+    /// Only every n-th point of the design, beginning with point i from 0: the shards of several machines, 0/n to
+    /// (n−1)/n; without table and page
     #[arg(long, value_name = "I/N", default_value = "0/1")]
     shard: Shard,
     /// Accepted for similarity with `run`: a study always continues where it was interrupted
