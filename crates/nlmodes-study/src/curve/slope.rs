@@ -97,7 +97,10 @@ impl<'c> Columns<'c> {
         let is_end = point == 0 || point + 1 == self.curve.len();
         let held = self.curve.held();
         if is_end && held == Held::Energy {
-            return Err("the ends of a mode move with the parameters; { energy_j = … } holds the energy".to_owned());
+            let which = "of several responses, `response = 1` takes the first";
+            return Err(format!(
+                "the ends of a mode move with the parameters; {{ energy_j = … }} holds the energy; {which}"
+            ));
         }
         if !is_end && held == Held::Frequency && !WITH_A_POINT.contains(&column) {
             let with = WITH_A_POINT.join(" and ");

@@ -32,7 +32,7 @@ pub struct Expansion {
     pub degree: usize,
     /// Number of their products.
     pub terms: usize,
-    /// Number of cases, and of those whose gradients are known.
+    /// Number of cases.
     pub cases: usize,
     /// Number of cases with gradients.
     pub with_gradients: usize,
@@ -137,9 +137,7 @@ pub fn expansion(variables: &[Polynomials], cases: &[Sample]) -> Option<(Expansi
         terms.iter().zip(&c).filter(|(term, _)| which(term)).map(|(_, c)| c * c).sum::<f64>()
     };
     let variance = share(&|term| term.iter().any(|k| *k > 0));
-    if !(variance > 0.0) {
-        return None;
-    }
+    (variance > 0.0).then_some(())?;
     let left_out = (missed / variance).min(1.0);
     let with_error = |index: f64| (index, 2.0 * (index * (1.0 - index).max(0.0) * left_out).sqrt() + left_out);
     let index = |k: usize| {
