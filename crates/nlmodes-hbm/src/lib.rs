@@ -101,7 +101,7 @@ pub use periodic::{
     Floquet, Functional, Grazing, Load, LoadTerm, ModalDamping, ModalStructure, ModeAtRest, Motion, MotionChange,
     MotionGradient, Opening, OperatingPoint, PeriodicMotion, PeriodicSettings, PeriodicSystem, PhaseCondition,
     PhaseLag, Refined, ResponseRow, Source, StructureChange, StructureState, StructureWeights, Watched, modal_grazing,
-    modal_grazing_opened, modal_lift_off, modal_lift_off_opened,
+    modal_grazing_opened, modal_lift_off_opened,
 };
 pub use series::{RealSeries, Symmetry};
 pub use shrinking_gaps::ShrinkingGaps;

@@ -44,7 +44,7 @@ pub use motion::{ContactMotion, PeriodicMotion, largest_value};
 pub use operating_point::{Closing, Column, OperatingPoint, Source};
 pub use refine::Refined;
 pub use sensitivity::Opening;
-pub use start::{Grazing, ModeAtRest, modal_grazing, modal_grazing_opened, modal_lift_off, modal_lift_off_opened};
+pub use start::{Grazing, ModeAtRest, modal_grazing, modal_grazing_opened, modal_lift_off_opened};
 pub(crate) use start::{STRAINLESS, unless_touching};
 pub use structure::{ModalStructure, ResponseRow};
 pub use system::{PeriodicSettings, PeriodicSystem};

@@ -75,7 +75,7 @@ pub fn about_rest(
         return Err(HbmError::RigidBodyMode { mode, first_elastic });
     }
     let shape: Vec<f64> = modes.eta.col(k).iter().copied().collect();
-    let at = ModeAtRest { mode, omega_squared, shape: &shape, rest: &rest.eta, closed: &rest.closed };
+    let at = ModeAtRest { mode, omega_squared, shape: &shape, rest };
     modal_lift_off_opened(structure, at, energy)
 }
 

@@ -330,17 +330,11 @@ fn check_mode(file: &SceneFile, response: &ResponseModel, open: Option<&OpenStru
         Err(ResponseError::Problem(error)) => error,
         Err(error) => return Err(file.error_at("contact", &chain(&error), "here", &[]).into()),
     };
-    let key = match &error {
-        HbmError::TouchesAtRest { contact, .. } | HbmError::PressedAtRest { contact, .. } => {
-            format!("contact.{contact}.gap_m")
-        }
-        _ => "method.mode".to_owned(),
-    };
     let expected = match &error {
         HbmError::NoSuchMode { available, .. } => format!("expected a whole number from 1 to {available}"),
         _ => "expected a stop that the linear mode meets at some amplitude".to_owned(),
     };
-    Err(file.error_at(&key, &chain(&error), &expected, &[]).into())
+    Err(file.error_at("method.mode", &chain(&error), &expected, &[]).into())
 }
 
 /// Of each contact, the side on which the other one is.

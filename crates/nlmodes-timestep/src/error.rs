@@ -80,6 +80,12 @@ pub enum TimestepError {
         /// The reason.
         why: &'static str,
     },
+    /// A contact touches at rest without force: no amplitude is linear.
+    #[error("a stop touches at rest: no amplitude of the linear mode at {omega:e} rad/s leaves it alone")]
+    TouchesAtRest {
+        /// Angular frequency of the linear mode, rad/s.
+        omega: f64,
+    },
     /// Contacts switch without progress in time.
     #[error("the contacts switch {switches} times at {time:e} s without time going on")]
     Chatter {

@@ -26,8 +26,8 @@ impl ContactDynamics {
     /// Grazing of the linear mode whose angular frequency is closest to `omega` (rad/s).
     ///
     /// # Errors
-    /// [`TimestepError::NoGrazing`] if it is a rigid-body mode, does not move a contact, or a contact touches at rest
-    /// without force.
+    /// [`TimestepError::NoGrazing`] if it is a rigid-body mode or does not move a contact,
+    /// [`TimestepError::TouchesAtRest`] for one that it moves and that touches at rest without force.
     pub fn grazing(&mut self, omega: f64) -> Result<GrazingState, TimestepError> {
         let closed = self.closed_at_rest()?;
         let phase = self.phase(&closed)?;
@@ -46,7 +46,7 @@ impl ContactDynamics {
         let contact = contact.ok_or_else(|| refused("it does not move a contact"))?;
         let found = amplitude(&contact);
         if found == 0.0 {
-            return Err(refused("a stop touches at rest"));
+            return Err(TimestepError::TouchesAtRest { omega: phase.omega[k] });
         }
         let mut at = Coordinates { u: vec![0.0; phase.omega.len()], v: vec![0.0; phase.omega.len()] };
         let (rest, _) = phase.leave(&at);

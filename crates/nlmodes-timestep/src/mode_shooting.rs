@@ -21,24 +21,33 @@ const MOST_HARMONICS: usize = 64;
 pub struct ModeShooting {
     structure: GalerkinReduction,
     shooting: Shooting,
-    start: GrazingState,
+    /// None where contacts touch at rest without force.
+    start: Option<GrazingState>,
     harmonics: usize,
 }
 
 impl ModeShooting {
-    /// The nonlinear mode that begins with the linear mode whose angular frequency is closest to `omega` (rad/s); the
-    /// coefficients of its motions are computed at least up to harmonic `harmonics`.
+    /// The nonlinear mode that begins with the linear mode whose angular frequency is closest to that of `near`; the
+    /// coefficients of its motions are computed at least up to harmonic `harmonics`. Before contacts that touch at rest
+    /// without force nothing is linear: energies then count in that of `near`.
     ///
     /// # Errors
     /// [`TimestepError::TooManyModes`]; errors of [`ContactDynamics::grazing`](crate::ContactDynamics::grazing).
-    pub fn new(structure: GalerkinReduction, omega: f64, harmonics: usize) -> Result<Self, TimestepError> {
+    pub fn new(structure: GalerkinReduction, near: ShootingScales, harmonics: usize) -> Result<Self, TimestepError> {
         if structure.n_kept_modes() > MAX_SHOOTING_MODES {
             let (found, most) = (structure.n_kept_modes(), MAX_SHOOTING_MODES);
             return Err(TimestepError::TooManyModes { found, most });
         }
         let mut dynamics = ContactDynamics::new(structure.model().clone())?;
-        let start = dynamics.grazing(omega)?;
-        let shooting = Shooting::new(dynamics, ShootingScales { omega: start.omega, energy: start.energy })?;
+        let (start, scales) = match dynamics.grazing(near.omega) {
+            Ok(start) => {
+                let scales = ShootingScales { omega: start.omega, energy: start.energy };
+                (Some(start), scales)
+            }
+            Err(TimestepError::TouchesAtRest { omega }) => (None, ShootingScales { omega, ..near }),
+            Err(error) => return Err(error),
+        };
+        let shooting = Shooting::new(dynamics, scales)?;
         Ok(Self { structure, shooting, start, harmonics })
     }
 
@@ -47,9 +56,9 @@ impl ModeShooting {
         &self.structure
     }
 
-    /// Start of the nonlinear mode, in the coordinates of the reduced structure.
-    pub fn grazing(&self) -> &GrazingState {
-        &self.start
+    /// Frequency and energy that the unknowns count in: those of the linear mode at grazing.
+    pub fn scales(&self) -> ShootingScales {
+        self.shooting.scales()
     }
 
     /// `yᵀ M y` of coordinates of the reduced structure: twice the kinetic energy of velocities.
@@ -62,9 +71,12 @@ impl ModeShooting {
         &mut self.shooting
     }
 
-    /// Unknown vector at grazing, where the parameter is zero, and the direction of growing amplitude (m + 2).
+    /// Unknown vector at grazing, where the parameter is zero, and the direction of growing amplitude (m + 2); where
+    /// contacts touch at rest without force nothing but the direction of growing energy.
     pub fn start(&self) -> (Vec<f64>, Vec<f64>) {
-        self.shooting.start(&self.start)
+        let m = self.frequency_index();
+        let unit = |n: usize, at: usize| (0..n).map(|k| f64::from(u8::from(k == at))).collect();
+        self.start.as_ref().map_or_else(|| (unit(m + 1, m), unit(m + 2, m + 1)), |start| self.shooting.start(start))
     }
 
     /// Index of the frequency in the unknown vector.
@@ -97,7 +109,7 @@ impl ModeShooting {
         if !(energy.is_finite() && energy > 0.0) {
             return Err(TimestepError::NotPositive { what: "averaged kinetic energy (J)", value: energy });
         }
-        Ok((self.shooting.unknowns(&state, omega), (energy / self.start.energy).ln()))
+        Ok((self.shooting.unknowns(&state, omega), (energy / self.scales().energy).ln()))
     }
 
     /// The motion with the unknowns `x`, over one period.

@@ -74,8 +74,7 @@ impl Shooting {
     /// unknown vector of that point, whose parameter is zero, and the direction of growing amplitude (m + 2).
     ///
     /// # Errors
-    /// [`TimestepError::NoGrazing`] if there is no such mode, it is a rigid-body mode, it does not move a contact, or a
-    /// stop touches at rest.
+    /// [`TimestepError::NoGrazing`] if there is no such mode; errors of [`ContactDynamics::grazing`].
     pub fn from_grazing(dynamics: ContactDynamics, mode: usize) -> Result<(Self, Vec<f64>, Vec<f64>), TimestepError> {
         let (mut dynamics, k) = (dynamics, mode.wrapping_sub(1));
         let Some(&omega) = dynamics.omega().get(k) else {
@@ -94,6 +93,11 @@ impl Shooting {
         // The energy is proportional to the square of the amplitude; the frequency is constant.
         let direction = grows.chain([0.0, 2.0]).collect();
         (x, direction)
+    }
+
+    /// Scales of the unknowns.
+    pub fn scales(&self) -> ShootingScales {
+        self.scales
     }
 
     /// The structure.

@@ -359,8 +359,8 @@ fn by_quadrature(v: impl Fn(f64) -> f64, slope: impl Fn(f64) -> f64, energy: f64
     (rest, 0.5 / half_period)
 }
 
-/// About the place where a constant force leaves a mass on a cubic spring, and on a Hertz stop that it presses and
-/// leaves in part of each period, the mode has the frequencies of a quadrature.
+/// About the place where a constant force leaves a mass on a cubic spring, on that beside a linear stop, and on a Hertz
+/// stop, which it presses and leaves in part of each period, the mode has the frequencies of a quadrature.
 #[test]
 fn under_a_constant_force_modes_with_laws_are_those_about_the_place_at_rest() -> Outcome {
     let folder = tempdir()?;
@@ -371,10 +371,15 @@ fn under_a_constant_force_modes_with_laws_are_those_about_the_place_at_rest() ->
     let hertz = |x: f64| 0.5 * x * x + 8.0 * (x - 0.1).max(0.0).powf(2.5) - 1.5 * x;
     let pull = |x: f64| x + 0.7 * x.powi(3) - 1.5;
     let press = |x: f64| x + 20.0 * (x - 0.1).max(0.0).powf(1.5) - 1.5;
+    let beside = format!("{}\n{spring}", stop.replace("stiffness_hertz_n_m15 = 20.0", "stiffness_n_m = 40.0"));
+    let both = |x: f64| cubic(x) + 20.0 * (x - 0.1).max(0.0).powi(2);
+    let push = |x: f64| pull(x) + 40.0 * (x - 0.1).max(0.0);
     type Law<'a> = &'a dyn Fn(f64) -> f64;
-    let cases: [(&str, Law<'_>, Law<'_>, f64); 2] = [(spring, &cubic, &pull, 1e-10), (stop, &hertz, &press, 1e-7)];
+    let cases: [(&str, Law<'_>, Law<'_>, f64); 3] =
+        [(spring, &cubic, &pull, 1e-10), (&beside, &both, &push, 1e-6), (stop, &hertz, &press, 1e-7)];
     for (acts, v, slope, near) in cases {
-        let rows = run(folder.path(), &one_mass(acts))?;
+        let kind = if acts == beside { "[method]\nkind = \"hbm\"" } else { "[method]" };
+        let rows = run(folder.path(), &one_mass(acts).replace("[method]", kind))?;
         assert!(rows.len() > 10);
         for row in rows.iter().step_by(5) {
             let (_, hz) = by_quadrature(v, slope, row["total_energy_j"]);

@@ -415,7 +415,34 @@ fn modes_and_phase_resonance_begin_at_stops_without_a_gap() -> Outcome {
     Ok(())
 }
 
-/// The same of a beam with a second stop at some distance: the conservative mode begins and ends where the branch does,
+/// Exact motions too: of a rod of two elements whose tip, without mass, touches at rest, `6` and `12` rad²/s² open and
+/// closed; and those of the heavy cantilever on its ledge, at lift-off. `verify` finds the former again.
+#[test]
+fn exact_motions_begin_at_stops_that_touch_or_press() -> Outcome {
+    let rod = "[structure]\nkind = \"rod\"\nlength_m = 1.0\nelements = 2\nstart = \"clamped\"\n\
+        material = { youngs_modulus_pa = 1.0, density_kg_m3 = 1.0 }\nsection = { area_m2 = 1.0 }\n\
+        [[contact]]\nat_m = 1.0\ndirection = \"axial\"\nside = \"positive\"\ngap_m = 0.0\n\
+        [method]\nkind = \"shooting\"\nharmonics = 9\nmass_redistribution = \"drop\"\n\
+        [continuation]\nmax_energy_ratio = 5.0\n";
+    let (folder, _) = run(rod, &[])?;
+    let all = rows(&folder)?;
+    let [open, closed] = [6.0_f64.sqrt(), 12.0_f64.sqrt()];
+    let hz = 2.0 * open * closed / (open + closed) / std::f64::consts::TAU;
+    for row in &all {
+        assert!((row["frequency_hz"] / hz - 1.0).abs() < 1e-9 && row["largest_multiplier"].is_finite(), "{row:?}");
+    }
+    assert!((all[all.len() - 1]["energy_j"] / all[0]["energy_j"] - 5.0).abs() < 1e-6);
+    let (code, said) = call("verify", &folder.path().join("out"), &["--point", "3"])?;
+    assert!(code == Some(0) && said.contains("exact motion"), "{said}");
+    let heavy = format!("{LEDGE}{WEIGHT}").replace("[method]\n", "[method]\nkind = \"shooting\"\nheld_modes = 4\n");
+    let (folder, summary) = run(&heavy, &["continuation.max_energy_ratio=1.00003"])?;
+    assert!((number(&summary["grazing"]["energy_j"]) / 2.551_653_349_35e-4 - 1.0).abs() < 1e-9, "{summary}");
+    assert!((rows(&folder)?[0]["frequency_hz"] / 73.395_632_377_7 - 1.0).abs() < 1e-9);
+    assert_eq!(summary["events"][0]["event"], "lift-off");
+    Ok(())
+}
+
+/// A mode of a beam before a stop without a gap, with a second one at some distance: the conservative mode begins and ends where the branch does,
 /// which is computed in another way.
 #[test]
 fn a_mode_before_a_stop_without_a_gap_is_that_of_the_branch() -> Outcome {

@@ -1,6 +1,7 @@
 use std::f64::consts::TAU;
 
 use nlmodes_linalg::max_norm;
+use nlmodes_model::reduction::RestState;
 
 use super::structure::ModalStructure;
 use super::system::PeriodicSystem;
@@ -33,7 +34,9 @@ pub struct Grazing {
     pub lifts_off: bool,
     /// Modal coordinates at rest, m, m √kg.
     pub(crate) mean: Vec<f64>,
-    /// Those of the mode, m, orthonormal.
+    /// Forces of the contacts at rest, N.
+    pub(crate) forces: Vec<f64>,
+    /// Modal coordinates of the mode, m, orthonormal.
     pub(crate) shape: Vec<f64>,
 }
 
@@ -46,10 +49,8 @@ pub struct ModeAtRest<'a> {
     pub omega_squared: f64,
     /// The mode, m, orthonormal.
     pub shape: &'a [f64],
-    /// Modal coordinates at rest, m, m √kg.
-    pub rest: &'a [f64],
-    /// The contacts that are closed there, c.
-    pub closed: &'a [bool],
+    /// The structure at rest.
+    pub rest: &'a RestState,
 }
 
 /// Motion of a guard by a mode, over the largest of any open mode, below which the mode does not move it.
@@ -82,9 +83,9 @@ struct Felt {
 impl Felt {
     fn of(structure: &ModalStructure, at: ModeAtRest<'_>) -> Result<Self, HbmError> {
         let (c, m) = (structure.n_contacts(), structure.n_moving());
-        let set = ClosedSet::new(structure.compliance(), at.closed)?;
+        let set = ClosedSet::new(structure.compliance(), &at.rest.closed)?;
         let seen = |i: usize, eta: &[f64]| (0..m).map(|k| structure.rows()[(i, k)] * eta[k]).sum::<f64>();
-        let resting: Vec<f64> = (0..c).map(|i| structure.gaps()[i] + seen(i, at.rest)).collect();
+        let resting: Vec<f64> = (0..c).map(|i| structure.gaps()[i] + seen(i, &at.rest.eta)).collect();
         let moved: Vec<f64> = (0..c).map(|i| seen(i, at.shape)).collect();
         let guards: Vec<f64> = (0..c).map(|i| set.guard_value(i, &resting)).collect();
         let slopes: Vec<f64> = (0..c).map(|i| set.guard_value(i, &moved)).collect();
@@ -93,7 +94,7 @@ impl Felt {
         let most = max_norm((0..c).flat_map(|i| (0..m).map(move |k| (i, k))).map(|at| structure.rows()[at]));
         let moving: Vec<usize> = (0..c).filter(|&i| slopes[i].abs() > UNFELT * most).collect();
         // Open contacts have the gaps that they were given, those of a pressed rest come from its forces.
-        let least = if at.closed.contains(&true) { ROUNDING * largest } else { 0.0 };
+        let least = if at.rest.closed.contains(&true) { ROUNDING * largest } else { 0.0 };
         let touching = moving.iter().copied().filter(|&i| guards[i] <= least).collect();
         Ok(Self { guards, slopes, moving, touching })
     }
@@ -108,16 +109,7 @@ impl Felt {
 }
 
 /// The amplitude of a mode about rest at which the first of its contacts is about to change its state: an open one is
-/// touched, or one that presses is left.
-///
-/// # Errors
-/// [`HbmError::NeverTouches`] if it moves no contact, [`HbmError::TouchesAtRest`] for one that it moves and that
-/// touches without force, [`HbmError::Compliance`].
-pub fn modal_lift_off(structure: &ModalStructure, at: ModeAtRest<'_>) -> Result<Grazing, HbmError> {
-    unless_touching(structure, modal_lift_off_opened(structure, at, 1.0)?)
-}
-
-/// As [`modal_lift_off`], also where contacts touch at rest without force: these are set back by
+/// touched, or one that presses is left. Contacts that touch at rest without force are set back by
 /// [`Grazing::opening`].
 ///
 /// The motion has half the amplitude at which another contact would change its state, and where there is no such
@@ -131,7 +123,7 @@ pub fn modal_lift_off_opened(structure: &ModalStructure, at: ModeAtRest<'_>, ene
     let omega = at.omega_squared.max(0.0).sqrt();
     let felt = Felt::of(structure, at)?;
     let mut opening = vec![0.0; structure.n_contacts()];
-    let (is_pressed, frequency_hz) = (at.closed.contains(&true), omega / TAU);
+    let (is_pressed, frequency_hz) = (at.rest.closed.contains(&true), omega / TAU);
     let never = HbmError::NeverTouches { mode: at.mode, frequency_hz, ratio: 0.0, is_pressed, first: None };
     let (contact, amplitude) = match felt.touching.first() {
         None => felt.first_change().ok_or(never)?,
@@ -145,7 +137,7 @@ pub fn modal_lift_off_opened(structure: &ModalStructure, at: ModeAtRest<'_>, ene
     // A stop that presses hardly moves before it is left: what this energy does to the structure is a length too.
     let moved = |i: usize| (0..at.shape.len()).map(|k| structure.rows()[(i, k)] * at.shape[k]).sum::<f64>();
     let largest = amplitude.abs() * max_norm((0..structure.n_contacts()).map(moved));
-    let length = match at.closed[contact] {
+    let length = match at.rest.closed[contact] {
         true => largest.max(2.0 * (energy * compliance_at(structure, contact, at.omega_squared)).sqrt()),
         false => largest,
     };
@@ -159,8 +151,9 @@ pub fn modal_lift_off_opened(structure: &ModalStructure, at: ModeAtRest<'_>, ene
         contact,
         length,
         opening,
-        lifts_off: at.closed[contact],
-        mean: padded(at.rest),
+        lifts_off: at.rest.closed[contact],
+        mean: padded(&at.rest.eta),
+        forces: at.rest.forces.clone(),
         shape: padded(at.shape),
     })
 }
@@ -217,8 +210,7 @@ pub fn modal_grazing_opened(structure: &ModalStructure, mode: usize, energy: f64
         return Err(HbmError::RigidBodyMode { mode, first_elastic });
     }
     let shape: Vec<f64> = (0..m).map(|j| f64::from(u8::from(j == k))).collect();
-    let (rest, closed) = (vec![0.0; m], vec![false; structure.n_contacts()]);
-    let at = ModeAtRest { mode, omega_squared: square, shape: &shape, rest: &rest, closed: &closed };
+    let at = ModeAtRest { mode, omega_squared: square, shape: &shape, rest: &RestState::still(m, structure.gaps()) };
     modal_lift_off_opened(structure, at, energy)
 }
 
@@ -256,13 +248,13 @@ impl Grazing {
 
     /// The coefficients of the structure at rest about which the mode vibrates.
     pub fn coefficients_at_rest(&self, system: &PeriodicSystem) -> Vec<f64> {
-        system.coefficients_at_rest(&self.mean)
+        system.coefficients_at_rest(&self.mean, &self.forces)
     }
 
     /// Unknowns of a conservative or damped mode at grazing, where the parameter is zero. They are exact where damping
     /// couples no modes, else a guess.
     pub fn unknowns(&self, system: &PeriodicSystem) -> Vec<f64> {
-        let mut x = system.coefficients_at_rest(&self.mean);
+        let mut x = self.coefficients_at_rest(system);
         x.iter_mut().zip(self.cosines(system)).for_each(|(x, cosine)| *x += cosine);
         let scales = system.scales;
         let extra = system.closing.n_unknowns();

@@ -180,13 +180,18 @@ impl PeriodicSystem {
         self.response.scale(self.scales.length)
     }
 
-    /// The coefficients of a structure that rests where its modal coordinates are these, m, m √kg.
-    pub fn coefficients_at_rest(&self, eta: &[f64]) -> Vec<f64> {
+    /// The coefficients of a structure that rests where its modal coordinates are these, m, m √kg, and its contacts
+    /// have these forces, c, N.
+    pub fn coefficients_at_rest(&self, eta: &[f64], forces: &[f64]) -> Vec<f64> {
         let (width, unit) = (self.series().width(), self.unit());
         let mut x = vec![0.0; self.n_coefficients()];
         for (k, eta) in eta.iter().enumerate().filter(|(_, eta)| **eta != 0.0) {
             let shares = self.response.of_mode(k).into_iter().enumerate();
             shares.for_each(|(j, share)| x[j * width] += share * eta / unit);
+        }
+        for (l, law) in self.structure.laws().iter().enumerate() {
+            let moved: f64 = law.contacts.iter().zip(forces).map(|(h, force)| h * force).sum();
+            x[(self.response.first_law() + l) * width] += moved / unit;
         }
         x
     }

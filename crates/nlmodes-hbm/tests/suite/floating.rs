@@ -7,9 +7,11 @@ use std::ops::ControlFlow;
 
 use nlmodes_continuation::{Bound, Continuation, ParametricSystem};
 use nlmodes_hbm::{
-    Coordinates, ModalDamping, ModalStructure, ModeAtRest, PeriodicSystem, Switching, Symmetry, grazing, modal_lift_off,
+    Coordinates, ModalDamping, ModalStructure, ModeAtRest, PeriodicSystem, Switching, Symmetry, grazing,
+    modal_lift_off_opened,
 };
 use nlmodes_linalg::{Mat, sparse_from_triplets};
+use nlmodes_model::reduction::RestState;
 use nlmodes_model::{Contact, Dof, DofKind, ModelError, Side, SteadyForce, StructuralModel};
 use support::modal::{settings, solver, worst_column};
 use support::{bisect, condense, follow, problem};
@@ -118,10 +120,11 @@ fn in_open_modes_it_is_the_same_motion() {
         assert!(structure.is_pressed() && structure.omega_squared()[0].abs() < 1e-9 * bounce.k / bounce.m);
         let root = bounce.m.sqrt();
         let sign = structure.steady_force()[0].signum();
-        let rest = [sign * (bounce.gap + bounce.w / bounce.k) * root];
-        let at =
-            ModeAtRest { mode: 1, omega_squared: bounce.k / bounce.m, shape: &[1.0], rest: &rest, closed: &[true] };
-        let start = modal_lift_off(&structure, at).unwrap();
+        let mut rest = RestState::still(1, structure.gaps());
+        rest.eta = vec![sign * (bounce.gap + bounce.w / bounce.k) * root];
+        (rest.forces, rest.closed) = (vec![bounce.w], vec![true]);
+        let at = ModeAtRest { mode: 1, omega_squared: bounce.k / bounce.m, shape: &[1.0], rest: &rest };
+        let start = modal_lift_off_opened(&structure, at, 1.0).unwrap();
         for (symmetry, coordinates) in [Symmetry::Even, Symmetry::None]
             .into_iter()
             .flat_map(|s| [Coordinates::Contact, Coordinates::Modal].map(|c| (s, c)))
@@ -172,7 +175,7 @@ fn a_response_begins_on_the_base() {
         let mut system =
             PeriodicSystem::force_response(&structure, load, omega, 1.0, settings, scales, solver().as_ref()).unwrap();
         let sign = structure.steady_force()[0].signum();
-        let mut x = system.coefficients_at_rest(&[sign * (bounce.gap + sag) * bounce.m.sqrt()]);
+        let mut x = system.coefficients_at_rest(&[sign * (bounce.gap + sag) * bounce.m.sqrt()], &[bounce.w]);
         x.resize(system.dim(), 0.0);
         let level = 0.1 * bounce.w;
         let (x, residual) = support::modal::newton(&mut system, x, level);

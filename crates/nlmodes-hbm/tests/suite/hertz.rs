@@ -36,7 +36,7 @@ fn hertz(stiffness: f64, gap: f64, dissipation: f64) -> Arc<dyn ForceLaw> {
 
 /// The conservative motion of an oscillator with this energy.
 fn mode_at(structure: &ModalStructure, harmonics: usize, energy: f64) -> nlmodes_hbm::PeriodicMotion {
-    let start = modal_start(structure, 1, ModeStart::Linear).unwrap();
+    let start = modal_start(structure, None, 1, ModeStart::Linear).unwrap();
     let settings = settings(harmonics, Coordinates::Automatic);
     let solver = solver();
     let mut system =
@@ -328,12 +328,12 @@ fn a_forced_motion_before_a_hertz_stop_and_its_multipliers_are_those_of_an_integ
 fn a_mode_before_a_hertz_stop_begins_at_its_clearance() {
     for side in [1.0, -1.0] {
         let structure = oscillator(4.0, 0.0, &[(side, hertz(3.0, 0.25, 0.0))]);
-        let start = modal_start(&structure, 1, ModeStart::Linear).unwrap();
+        let start = modal_start(&structure, None, 1, ModeStart::Linear).unwrap();
         assert!((start.amplitude - side * 0.25).abs() < 1e-15 && start.length == 0.25, "{start:?}");
         // Beside a spring that bends it begins below that.
         let cubic: Arc<dyn ForceLaw> = Arc::new(Polynomial { coefficients: vec![0.0, 0.0, 5.0] });
         let structure = oscillator(4.0, 0.0, &[(1.0, cubic), (side, hertz(3.0, 0.25, 0.0))]);
-        let start = modal_start(&structure, 1, ModeStart::Linear).unwrap();
+        let start = modal_start(&structure, None, 1, ModeStart::Linear).unwrap();
         assert!(start.amplitude.abs() < 0.13, "{start:?}");
     }
 }

@@ -33,6 +33,14 @@ pub struct RestState {
     pub closed: Vec<bool>,
 }
 
+impl RestState {
+    /// Of a structure with so many modes and these gaps that nothing moves.
+    pub fn still(modes: usize, gaps: &[f64]) -> Self {
+        let c = gaps.len();
+        Self { eta: vec![0.0; modes], forces: vec![0.0; c], gaps: gaps.to_vec(), closed: vec![false; c] }
+    }
+}
+
 /// Linear modes of the structure with some of its contacts closed, in the coordinates of the open modes.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -112,8 +120,7 @@ impl OpenModes {
         let is_loaded = preload.iter().any(|load| load.modal.iter().chain(&load.gaps).any(|v| *v != 0.0))
             || self.steady_force.iter().any(|p| *p != 0.0);
         if !is_loaded && self.gaps().iter().all(|g| *g > 0.0) {
-            let (eta, forces, closed) = (vec![0.0; m], vec![0.0; c], vec![false; c]);
-            return Ok(RestState { eta, forces, gaps: self.gaps().to_vec(), closed });
+            return Ok(RestState::still(m, self.gaps()));
         }
         let y = self.contact_rows();
         let mut eta: Vec<f64> = (0..m).map(|r| preload.iter().map(|l| l.modal[r]).sum::<f64>()).collect();

@@ -74,7 +74,14 @@ fn rest(
         return Ok(None);
     }
     let scene = &file.scene;
-    let rest = if state.is_some() || stops.iter().any(|(_, gap)| *gap < 0.0) {
+    if state.is_some_and(StaticState::is_carried) {
+        let title =
+            "a structure that floats, carried by its contacts alone, beside springs or stops with a law of force";
+        let help = ["where both come to rest is not computed; a weak `[[structure.spring]]` holds the structure"];
+        let key = scene.static_loads.first_key();
+        return Err(file.error_at(key, title, "expected a structure that its supports hold", &help).into());
+    }
+    Ok(if state.is_some() || stops.iter().any(|(_, gap)| *gap < 0.0) {
         let state = state.cloned().unwrap_or_else(|| StaticState::still(response.open_modes()));
         let moved = |weights: &Weights| weights.iter().map(|&(dof, w)| w * state.displacement[dof]).sum::<f64>();
         let laws = 0..response.structure().laws().len();
@@ -86,14 +93,7 @@ fn rest(
         Some(state.held(&held, &stops))
     } else {
         None
-    };
-    if response.structure().is_pressed() {
-        let title = "a rigid or linear stop that presses at rest beside springs or stops with a law of force";
-        let help = ["where both come to rest is not computed: a stop that presses may have a law of force too, \
-            `stiffness_hertz_n_m15` with `exponent = 1`"];
-        return Err(file.error_at("contact", title, "expected gaps that are open at rest", &help).into());
-    }
-    Ok(rest)
+    })
 }
 
 /// Adds the stops with a law of force, and says where they are.

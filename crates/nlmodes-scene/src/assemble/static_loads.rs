@@ -46,32 +46,26 @@ pub struct StaticState {
 impl StaticState {
     /// Of a structure with these modes that nothing moves.
     pub fn still(modes: &OpenModes) -> Self {
-        let (c, zeros) = (modes.n_contacts(), |n: usize| vec![0.0; n]);
         let free_gaps = modes.gaps().to_vec();
-        let mut rest = RestState::default();
-        (rest.eta, rest.forces) = (zeros(modes.n_modes()), zeros(c));
-        (rest.gaps, rest.closed) = (free_gaps.clone(), vec![false; c]);
-        let (displacement, modal) = (zeros(modes.n_dofs()), zeros(modes.n_modes()));
-        Self { displacement, modal, opening: zeros(c), free_gaps, rest, ..Self::default() }
+        let rest = RestState::still(modes.n_modes(), &free_gaps);
+        let (displacement, opening) = (vec![0.0; modes.n_dofs()], vec![0.0; free_gaps.len()]);
+        Self { displacement, modal: rest.eta.clone(), opening, free_gaps, rest, ..Self::default() }
     }
 
-    /// The same where laws of force hold the structure as well, all of its contacts open; `stops` are those with a law,
-    /// their clearances in the drawing (m) and where they rest: they follow the contacts.
+    /// The same where laws of force hold the structure as well; `stops` are those with a law, their clearances in the
+    /// drawing (m) and where they rest: they follow the contacts.
     pub fn held(mut self, by: &HeldByLaws, stops: &[(f64, LawAtRest)]) -> Self {
         let add = |to: &mut [f64], by: &[f64]| to.iter_mut().zip(by).for_each(|(to, by)| *to += by);
         add(&mut self.displacement, &by.displacement);
         add(&mut self.modal, &by.modal);
         add(&mut self.opening, &by.opening);
         add(&mut self.free_gaps, &by.opening);
+        self.rest = by.rest.clone();
         let rest = &mut self.rest;
-        rest.eta.fill(0.0);
-        rest.forces.fill(0.0);
-        rest.closed.fill(false);
-        rest.gaps.clone_from(&self.free_gaps);
-        self.energy = 0.0;
+        self.energy = -0.5 * rest.forces.iter().zip(&self.free_gaps).map(|(force, gap)| force * gap).sum::<f64>();
         for (gap, at) in stops {
-            self.opening.push(-at.place);
-            self.free_gaps.push(gap - at.place);
+            self.opening.push(-at.origin);
+            self.free_gaps.push(gap - at.origin);
             rest.gaps.push((gap - at.place).max(0.0));
             rest.forces.push(at.force);
             rest.closed.push(at.force > 0.0);

@@ -32,7 +32,6 @@ pub fn check(
         shooting::check(method, diagnostics);
         let is_rod = along.is_some_and(|body| body.raw.kind == StructureKind::Rod);
         let all = modes(along, kind, mass_rule, contacts).map(|[_, held]| held).filter(|_| is_rod);
-        shooting::check_gaps(contacts, diagnostics);
         shooting::check_size(method.held_modes.map(|n| n as usize).or(all), diagnostics);
     }
     Some(Method {

@@ -3,7 +3,7 @@
 use nlmodes::timestep::MAX_SHOOTING_MODES;
 
 use crate::raw::RawMethod;
-use crate::scene::{Contact, ContactSolver, Switching, Symmetry};
+use crate::scene::{ContactSolver, Switching, Symmetry};
 use crate::{Diagnostic, Diagnostics};
 
 pub fn check(method: &RawMethod, diagnostics: &mut Diagnostics<'_>) {
@@ -36,19 +36,6 @@ pub fn check(method: &RawMethod, diagnostics: &mut Diagnostics<'_>) {
             "shooting solves contact problems at the start of a motion only",
         );
     }
-}
-
-/// Refuses stops that touch at rest: shooting begins at a linear mode that grazes.
-pub fn check_gaps(contacts: &[Contact], diagnostics: &mut Diagnostics<'_>) {
-    let touching = contacts.iter().position(|contact| contact.gap == 0.0);
-    let Some(contact) = touching.filter(|_| contacts.iter().all(|contact| contact.gap >= 0.0)) else { return };
-    let diagnostic = Diagnostic::error("shooting has no start where a stop touches at rest")
-        .help("it begins at the linear mode that just touches; method.kind = \"ms-hbm\" starts with a gap of 0 too");
-    diagnostics.put(
-        &format!("contact.{contact}.gap_m"),
-        diagnostic,
-        "expected a positive gap, in m; a small one will do",
-    );
 }
 
 /// Modes up to which a branch by shooting takes seconds.

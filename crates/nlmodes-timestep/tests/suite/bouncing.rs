@@ -6,7 +6,10 @@ use std::ops::ControlFlow;
 use nlmodes_continuation::{Bound, Continuation, Linearization, ParametricSystem};
 use nlmodes_linalg::{Mat, sparse_from_triplets};
 use nlmodes_model::{Contact, Dof, DofKind, Drop, MasslessContactModel, Side, SteadyForce, StructuralModel};
-use nlmodes_timestep::{ContactDynamics, GalerkinReduction, ModeShooting, Verification};
+use nlmodes_timestep::{ContactDynamics, GalerkinReduction, ModeShooting, ShootingScales, Verification};
+
+/// The lowest mode.
+const LOWEST: ShootingScales = ShootingScales { omega: 0.0, energy: 1.0 };
 
 /// Masses one above the other on springs of stiffness k, the lowest on a massless tip with a base under it; each has
 /// the same weight.
@@ -72,7 +75,7 @@ fn the_mode_of_a_bouncing_body_is_found_by_shooting() {
     for (masses, modes) in [(&[1.0][..], 1), (&[1.0, 0.3], 2), (&[1.0, 0.3, 0.2], 2)] {
         let (k, w) = (1000.0, 10.0);
         let reduced = GalerkinReduction::new(tower(masses, k, w, 0.1), modes).unwrap();
-        let mut shooting = ModeShooting::new(reduced, 0.0, 8).unwrap();
+        let mut shooting = ModeShooting::new(reduced, LOWEST, 8).unwrap();
         let (x, direction) = shooting.start();
         let bounds = vec![Bound { coordinate: shooting.dim(), min: -1.0, max: 1.05_f64.ln() }];
         let method = Continuation { bounds, max_points: 300, ..Continuation::default() };

@@ -10,9 +10,12 @@ use nlmodes_fem::{Direction, Stop};
 use nlmodes_linalg::{SparseCholesky, bilinear};
 use nlmodes_modal::{HarmonicBasis, HarmonicCoefficients};
 use nlmodes_model::{MasslessContactModel, Side, StructuralModel};
-use nlmodes_timestep::{ContactDynamics, GalerkinReduction, ModalState, ModeShooting, TimestepError};
+use nlmodes_timestep::{ContactDynamics, GalerkinReduction, ModalState, ModeShooting, ShootingScales, TimestepError};
 use num_complex::Complex64;
 use support::{beam, massless, rod_of, rod_with, unit_rod};
+
+/// The lowest mode.
+const LOWEST: ShootingScales = ShootingScales { omega: 0.0, energy: 1.0 };
 
 fn two_stops() -> StructuralModel {
     rod_with(
@@ -31,7 +34,7 @@ fn transverse(elements: usize) -> MasslessContactModel {
 /// The nonlinear mode, and the unknowns of a motion of `ratio` times the energy at grazing.
 fn mode(model: MasslessContactModel, modes: usize, ratio: f64) -> (ModeShooting, Vec<f64>, f64) {
     let reduced = GalerkinReduction::new(model, modes).unwrap();
-    let mut shooting = ModeShooting::new(reduced, 0.0, 8).unwrap();
+    let mut shooting = ModeShooting::new(reduced, LOWEST, 8).unwrap();
     let (x, direction) = shooting.start();
     let bounds = vec![Bound { coordinate: shooting.dim(), min: -1.0, max: ratio.ln() }];
     let method = Continuation { bounds, max_points: 300, ..Continuation::default() };
@@ -45,7 +48,7 @@ fn mode(model: MasslessContactModel, modes: usize, ratio: f64) -> (ModeShooting,
 fn the_jacobian_is_the_derivative_of_the_residual() {
     for (model, modes) in [(massless(&two_stops()), 6), (massless(&two_stops()), 3), (transverse(4), 12)] {
         let reduced = GalerkinReduction::new(model, modes).unwrap();
-        let mut shooting = ModeShooting::new(reduced, 0.0, 8).unwrap();
+        let mut shooting = ModeShooting::new(reduced, LOWEST, 8).unwrap();
         // Not a solution: the linear mode beyond grazing, with small amplitudes of all others.
         let (start, p) = (shooting.start().0, 0.6);
         let last = start.len() - 1;
@@ -239,7 +242,7 @@ fn histories_of_contacts_are_the_motion_of_their_nodes() {
 fn unknowns_of_a_given_motion_are_its_beginning_and_its_energy() {
     let model = massless(&two_stops());
     let reduced = GalerkinReduction::new(model.clone(), usize::MAX).unwrap();
-    let mut shooting = ModeShooting::new(reduced, 0.0, 8).unwrap();
+    let mut shooting = ModeShooting::new(reduced, LOWEST, 8).unwrap();
     let (dofs, omega, harmonics) = (model.dofs().len(), 1.3, 4);
     let mut motion = HarmonicCoefficients::zeros(dofs, harmonics);
     let q = |d: usize, n: usize| 0.3 * (1.3 * d as f64 + 2.1 * n as f64 + 0.2).sin() / (1.0 + n as f64);
@@ -251,7 +254,7 @@ fn unknowns_of_a_given_motion_are_its_beginning_and_its_energy() {
     let energy: f64 =
         (1..=harmonics).map(|n| 0.25 * (n as f64 * omega).powi(2) * bilinear(&part(n), model.mass(), &part(n))).sum();
     let (x, p) = shooting.unknowns(&motion, omega).unwrap();
-    assert!((p - (energy / shooting.grazing().energy).ln()).abs() < 1e-12);
+    assert!((p - (energy / shooting.scales().energy).ln()).abs() < 1e-12);
     assert!((shooting.omega(&x) / omega - 1.0).abs() < 1e-14);
     let found = shooting.first_displacement(&x).unwrap();
     for &d in model.linear_dofs() {
@@ -275,6 +278,6 @@ fn a_stop_that_presses_at_rest_begins_where_its_force_vanishes() {
 #[test]
 fn too_many_modes_are_refused() {
     let model = massless(&unit_rod(220));
-    let error = ModeShooting::new(GalerkinReduction::new(model, 210).unwrap(), 0.0, 3).unwrap_err();
+    let error = ModeShooting::new(GalerkinReduction::new(model, 210).unwrap(), LOWEST, 3).unwrap_err();
     assert_eq!(error, TimestepError::TooManyModes { found: 210, most: nlmodes_timestep::MAX_SHOOTING_MODES });
 }

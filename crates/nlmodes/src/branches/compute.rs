@@ -3,7 +3,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use nlmodes_continuation::{Budget, RunLog, TreeBranch, WatchedLog};
-use nlmodes_hbm::{CondensedStructure, Grazing, Symmetry, grazing};
+use nlmodes_hbm::{CondensedStructure, Grazing, Symmetry};
 use nlmodes_modal::{BranchEnd, Event, ModalPoint};
 use nlmodes_model::MasslessContactModel;
 
@@ -193,9 +193,8 @@ pub(super) fn begin(structure: &CondensedStructure, settings: &BranchSettings) -
     match settings.method {
         BranchMethod::HarmonicBalance => linear_start(structure, settings),
         BranchMethod::Shooting => {
-            let start = grazing(structure, settings.mode)?;
-            let problem = exact(structure.model(), settings, &start)?;
-            let own = problem.grazing();
+            let start = linear_start(structure, settings)?;
+            let own = exact(structure.model(), settings, &start)?.scales();
             Ok(start.counted_by(own.omega, own.energy))
         }
     }

@@ -8,7 +8,7 @@ use nlmodes_hbm::{
     CondensedStructure, Grazing, MixedShooting, MixedShootingSettings, Symmetry, TruncationEstimator, grazing_opened,
 };
 use nlmodes_model::MasslessContactModel;
-use nlmodes_timestep::{GalerkinReduction, MAX_SHOOTING_MODES, ModeShooting, TimestepError};
+use nlmodes_timestep::{GalerkinReduction, MAX_SHOOTING_MODES, ModeShooting, ShootingScales, TimestepError};
 
 use super::periodic::Periodic;
 use super::{BranchError, BranchMethod, BranchPointRule, BranchSettings, BranchStart};
@@ -105,7 +105,8 @@ pub(super) fn exact(
     }
     let reduced =
         GalerkinReduction::new(model.clone(), shooting_modes(model, settings)?).map_err(TimestepError::from)?;
-    Ok(ModeShooting::new(reduced, start.omega, settings.harmonics)?)
+    let near = ShootingScales { omega: start.omega, energy: start.energy };
+    Ok(ModeShooting::new(reduced, near, settings.harmonics)?)
 }
 
 /// The held modes to be computed: those asked for, or all.

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use nlmodes_continuation::{Budget, Continuation, Watched};
 use nlmodes_modal::{EndReason, Event, ModalPoint, Stability};
-use nlmodes_timestep::{GalerkinReduction, MAX_SHOOTING_MODES, ModeShooting};
+use nlmodes_timestep::{GalerkinReduction, MAX_SHOOTING_MODES, ModeShooting, ShootingScales};
 
 use super::branch::ComputedBranch;
 use super::viewer::Viewer;
@@ -105,7 +105,8 @@ impl ComputedBranch {
         if settings.stability == StabilityRule::Auto && reduced.n_held_modes() < size {
             return None;
         }
-        let shooting = ModeShooting::new(reduced, self.grazing.omega, settings.harmonics).ok()?;
+        let near = ShootingScales { omega: self.grazing.omega, energy: self.grazing.energy };
+        let shooting = ModeShooting::new(reduced, near, settings.harmonics).ok()?;
         Some(Probe::Beside(Box::new(Beside {
             shooting,
             watch: settings.watch.clone(),

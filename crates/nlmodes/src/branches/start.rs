@@ -113,7 +113,10 @@ pub(super) fn seed(
         BranchStart::Energy { ratio, upward } => (Target::Energy(ratio), upward),
         BranchStart::Grazing => {
             settings.watch.begins("looking for the beginning of the branch")?;
-            let seed = beginning(problem, settings, start, log)?;
+            let seed = match problem.harmonics() {
+                None if start.touches_at_rest() => exact_before_touching(structure, settings, start, log)?,
+                _ => beginning(problem, settings, start, log)?,
+            };
             if start.touches_at_rest() {
                 within_window(settings, problem.omega(&seed.x) / TAU)?;
             }
@@ -147,19 +150,12 @@ pub(super) fn refined(
 ) -> Result<Seed, BranchError> {
     settings.watch.begins(target.sought(start))?;
     let mut failure = None;
-    let harmonic = BranchSettings {
-        method: BranchMethod::HarmonicBalance,
-        harmonics: match settings.method {
-            BranchMethod::HarmonicBalance => settings.harmonics,
-            BranchMethod::Shooting => settings.harmonics.max(BEFORE_SHOOTING),
-        },
-        ..settings.clone()
-    };
+    let harmonic = in_harmonics(settings);
     for first in FEW_HARMONICS.into_iter().filter(|few| *few == 1 || *few < harmonic.harmonics) {
         let found = refined_from(structure, &harmonic, start, (target, upward), first, (guides, effort), log);
         let found = found.and_then(|(seed, point)| match settings.method {
             BranchMethod::HarmonicBalance => Ok(seed),
-            BranchMethod::Shooting => exact_seed(structure, settings, start, target, upward, &point, log),
+            BranchMethod::Shooting => exact_seed(structure, settings, start, (target, upward), &point, log),
         });
         match found {
             Err(error @ (BranchError::NoStart { .. } | BranchError::NoStartAtEnergy { .. })) => {
@@ -171,13 +167,34 @@ pub(super) fn refined(
     Err(failure.unwrap_or_else(|| target.not_found("no number of harmonics leads there".to_owned())))
 }
 
+/// The same branch in harmonics, of an exact one with enough to find its motions from.
+fn in_harmonics(settings: &BranchSettings) -> BranchSettings {
+    let harmonics = match settings.method {
+        BranchMethod::HarmonicBalance => settings.harmonics,
+        BranchMethod::Shooting => settings.harmonics.max(BEFORE_SHOOTING),
+    };
+    BranchSettings { method: BranchMethod::HarmonicBalance, harmonics, ..settings.clone() }
+}
+
+/// The exact motion before contacts that touch at rest at the energy of the start, by way of that in harmonics.
+fn exact_before_touching(
+    structure: &CondensedStructure,
+    settings: &BranchSettings,
+    start: &Grazing,
+    log: &mut dyn RunLog,
+) -> Result<Seed, BranchError> {
+    let harmonic = in_harmonics(settings);
+    let seed = beginning(&mut periodic(structure, &harmonic, start)?, &harmonic, start, log)?;
+    let point = problem(structure, &harmonic, start)?.modal_point(&seed.x, 0.0)?;
+    exact_seed(structure, settings, start, (Target::Energy(1.0), true), &point, log)
+}
+
 /// The exact motion beside a point in harmonics, with the same frequency or energy.
 fn exact_seed(
     structure: &CondensedStructure,
     settings: &BranchSettings,
     start: &Grazing,
-    target: Target,
-    upward: bool,
+    (target, upward): (Target, bool),
     point: &ModalPoint,
     log: &mut dyn RunLog,
 ) -> Result<Seed, BranchError> {

@@ -8,7 +8,7 @@ use crate::response::ResponseError;
 /// Unknowns of a response at the level zero, of a structure that its stops press or, without `rest`, of one with open
 /// contacts.
 pub(crate) fn unknowns_at_rest(system: &PeriodicSystem, rest: Option<&RestState>) -> Vec<f64> {
-    let mut x = rest.map_or_else(Vec::new, |rest| system.coefficients_at_rest(&rest.eta));
+    let mut x = rest.map_or_else(Vec::new, |rest| system.coefficients_at_rest(&rest.eta, &rest.forces));
     x.resize(system.dim(), 0.0);
     x
 }

@@ -64,6 +64,8 @@ pub struct HeldByLaws {
     pub opening: Vec<f64>,
     /// Where the laws rest, in their order.
     pub laws: Vec<LawAtRest>,
+    /// The structure there, its contacts closed that press.
+    pub rest: RestState,
 }
 
 impl ResponseModel {
@@ -146,12 +148,13 @@ impl ResponseModel {
         Ok(())
     }
 
-    /// Counts motions from where the structure rests under static loads that move the places of its laws by `moved` (m)
-    /// without these and with its contacts open: laws are then those about that place, and gaps what is left of them.
-    /// What the laws do at rest. Laws are evaluated as by [`add_law`](Self::add_law).
+    /// Counts motions from where the structure would be with its contacts open under static loads, which move the
+    /// places of its laws by `moved` (m) without these, and the forces that its laws have at rest: laws are then what
+    /// they have beyond these, and gaps what is left of them. What the laws do at rest. Laws are evaluated as by
+    /// [`add_law`](Self::add_law).
     ///
     /// # Errors
-    /// As [`laws_at_rest`].
+    /// As [`laws_at_rest`], or what the reduction reports of the structure at rest.
     pub fn rest_on_laws(&mut self, moved: &[f64], samples: usize) -> Result<HeldByLaws, ResponseError> {
         let laws = laws_at_rest(&self.structure, moved)?;
         let (m, squares) = (self.open.n_modes(), self.open.omega_squared());
@@ -182,7 +185,9 @@ impl ResponseModel {
         }
         self.laws.extend(behind);
         self.place_laws(samples)?;
-        Ok(HeldByLaws { displacement, modal, opening, laws })
+        let still = || RestState::still(m, self.structure.gaps());
+        let rest = self.pressed_rest()?.unwrap_or_else(still);
+        Ok(HeldByLaws { displacement, modal, opening, laws, rest })
     }
 
     /// Where nonlinear modes of a structure with laws begin.
@@ -339,13 +344,12 @@ impl ResponseModel {
     /// As [`modal_grazing_opened`], [`about_rest`] and [`modal_start`], or what the reduction reports of the
     /// structure at rest.
     pub fn linear_start(&self, mode: usize) -> Result<Grazing, ResponseError> {
-        if !self.laws.is_empty() {
-            return Ok(modal_start(&self.structure, mode, self.mode_start)?);
-        }
-        let Some(rest) = self.pressed_rest()? else {
-            return Ok(modal_grazing_opened(&self.structure, mode, UNIT_ENERGY)?);
-        };
-        Ok(about_rest(&self.open, &self.structure, &rest, mode, UNIT_ENERGY)?)
+        let rest = self.pressed_rest()?;
+        Ok(match &rest {
+            _ if !self.laws.is_empty() => modal_start(&self.structure, rest.as_ref(), mode, self.mode_start)?,
+            Some(rest) => about_rest(&self.open, &self.structure, rest, mode, UNIT_ENERGY)?,
+            None => modal_grazing_opened(&self.structure, mode, UNIT_ENERGY)?,
+        })
     }
 
     /// The contacts that touch at rest without force.

@@ -1,10 +1,11 @@
 use std::f64::consts::TAU;
 
 use nlmodes_linalg::{DenseLu, Mat, max_norm, symmetric_eigen};
+use nlmodes_model::reduction::RestState;
 
 use super::PlacedLaw;
 use crate::periodic::structure::ModalStructure;
-use crate::{Grazing, HbmError, ModeAtRest, modal_lift_off};
+use crate::{Grazing, HbmError, ModeAtRest, modal_lift_off_opened};
 
 /// Share of the squared frequency by which laws may change it where a nonlinear mode begins: its start is a linear mode
 /// to that accuracy, and Newton's method does the rest.
@@ -19,6 +20,9 @@ const NODE: f64 = 1e-10;
 /// Samples of a period in which that is evaluated, and most halvings of the amplitude, from one metre at a law on.
 const SAMPLES: usize = 64;
 const HALVINGS: usize = 200;
+
+/// Energy at which contacts that touch at rest are set back before the mode has its own, J.
+const UNIT_ENERGY: f64 = 1.0;
 
 /// Squared frequency over the largest below which a mode is a rigid-body motion.
 const RIGID: f64 = 1e-12;
@@ -42,35 +46,76 @@ struct Tangent {
     shape: Vec<f64>,
 }
 
+/// A law where it rests.
+#[derive(Clone)]
+struct Resting<'a> {
+    placed: &'a PlacedLaw,
+    /// Displacement of its place there, m.
+    place: f64,
+}
+
+impl Resting<'_> {
+    /// Clearance that is left, m; `None` of a law that is no stop.
+    fn gap(&self) -> Option<f64> {
+        self.placed.law.stop_gap().map(|gap| gap - self.place)
+    }
+
+    /// Whether it is a stop with a clearance.
+    fn stands_back(&self) -> bool {
+        self.gap().is_some_and(|gap| gap > 0.0)
+    }
+
+    /// Displacement of its place by a mode of unit amplitude, 1/√kg.
+    fn moved(&self, shape: &[f64]) -> f64 {
+        shape.iter().zip(&self.placed.modes).map(|(s, r)| s * r).sum()
+    }
+
+    /// The sum of the shares of that, without their signs.
+    fn size(&self, shape: &[f64]) -> f64 {
+        shape.iter().zip(&self.placed.modes).map(|(s, r)| (s * r).abs()).sum()
+    }
+}
+
+/// The laws where the structure rests, which its contacts press there or, without `rest`, do not.
+fn resting<'a>(structure: &'a ModalStructure, rest: Option<&RestState>) -> Vec<Resting<'a>> {
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let place = |placed: &PlacedLaw| {
+        rest.map_or(0.0, |rest| product(&placed.modes, &rest.eta) + product(&placed.contacts, &rest.forces))
+    };
+    structure.laws().iter().map(|placed| Resting { placed, place: place(placed) }).collect()
+}
+
 /// Where a nonlinear mode of a structure with laws begins: linear mode `mode` (from 1) of the structure with the
-/// tangents of its laws at rest.
+/// tangents of its laws at rest and, where its stops press there, these closed. Contacts that touch at rest without
+/// force [are set back](Grazing::opening).
 ///
 /// # Errors
-/// [`HbmError::LawAtNode`] for an amplitude of a law that the mode does not move, as [`modal_lift_off`] but for modes
-/// that move no contact, [`HbmError::NoSuchMode`], [`HbmError::RigidBodyMode`], [`HbmError::PressedAtRest`] or
-/// [`HbmError::Linalg`].
-pub fn modal_start(structure: &ModalStructure, mode: usize, start: ModeStart) -> Result<Grazing, HbmError> {
-    if structure.is_pressed() {
-        let contact = structure.gaps().iter().position(|g| *g < 0.0).unwrap_or(0);
-        return Err(HbmError::PressedAtRest { contact, gap: structure.gaps()[contact] });
-    }
-    let Tangent { omega_squared, shape } = tangent_mode(structure, mode)?;
-    let (m, omega) = (structure.n_moving(), omega_squared.sqrt());
-    let (rest, closed) = (vec![0.0; m], vec![false; structure.n_contacts()]);
-    let touching = match modal_lift_off(
-        structure,
-        ModeAtRest { mode, omega_squared, shape: &shape, rest: &rest, closed: &closed },
-    ) {
+/// [`HbmError::LawAtNode`] for an amplitude of a law that the mode does not move, as [`modal_lift_off_opened`] but for
+/// modes that move no contact, [`HbmError::NoSuchMode`], [`HbmError::RigidBodyMode`] or [`HbmError::Linalg`].
+pub fn modal_start(
+    structure: &ModalStructure,
+    rest: Option<&RestState>,
+    mode: usize,
+    start: ModeStart,
+) -> Result<Grazing, HbmError> {
+    let laws = resting(structure, rest);
+    let m = structure.n_moving();
+    let still = RestState::still(m, structure.gaps());
+    let rest = rest.unwrap_or(&still);
+    let Tangent { omega_squared, shape } = tangent_mode(structure, (&laws, &rest.closed), mode)?;
+    let omega = omega_squared.sqrt();
+    let at = ModeAtRest { mode, omega_squared, shape: &shape, rest };
+    let touching = match modal_lift_off_opened(structure, at, UNIT_ENERGY) {
         Ok(touching) => Some(touching),
         Err(HbmError::NeverTouches { .. }) => None,
         Err(error) => return Err(error),
     };
     let least = touching.as_ref().map_or(f64::INFINITY, |touching| touching.amplitude.abs());
-    let (first, _) = first_stop(structure, &shape);
-    let smooth: Vec<PlacedLaw> = structure.laws().iter().filter(|law| !stands_back(law)).cloned().collect();
+    let (first, _) = first_stop(&laws, &shape);
+    let smooth: Vec<Resting> = laws.iter().filter(|law| !law.stands_back()).cloned().collect();
     let amplitude = match start {
         ModeStart::Energy(energy) => 2.0 * energy.sqrt() / omega,
-        ModeStart::Amplitude(of_law) => of_law / first_law(structure, &shape).ok_or(HbmError::LawAtNode { mode })?,
+        ModeStart::Amplitude(of_law) => of_law / first_law(&laws, &shape).ok_or(HbmError::LawAtNode { mode })?,
         ModeStart::Linear if smooth.is_empty() && least.min(first.abs()).is_finite() => least.min(first.abs()),
         ModeStart::Linear => {
             let largest = amplitude_within(&smooth, &shape, omega_squared, BARELY_NONLINEAR);
@@ -80,12 +125,12 @@ pub fn modal_start(structure: &ModalStructure, mode: usize, start: ModeStart) ->
     // Where the displacement at the phase zero is toward the stop that is touched first.
     let amplitude = if first.abs() <= least && first < 0.0 { -amplitude } else { amplitude };
     // Lengths of the problem are those at which laws or stops matter, not those at which the mode begins.
-    let length = touching.as_ref().map_or_else(|| length(structure, &shape, omega_squared), |found| found.length);
+    let length = touching.as_ref().map_or_else(|| length(&laws, &shape, omega_squared), |found| found.length);
     let contact = touching.as_ref().map_or(0, |touching| touching.contact);
     let padded = |eta: &[f64]| eta.iter().copied().chain(std::iter::repeat(0.0)).take(structure.n_modes()).collect();
     let damping = |j: usize, k: usize| shape[j] * structure.damping().entry(j, k) * shape[k];
     let damping: f64 = (0..m).flat_map(|j| (0..m).map(move |k| (j, k))).map(|(j, k)| damping(j, k)).sum();
-    Ok(Grazing {
+    let start = Grazing {
         mode,
         omega,
         damping_ratio: damping / (2.0 * omega),
@@ -95,35 +140,42 @@ pub fn modal_start(structure: &ModalStructure, mode: usize, start: ModeStart) ->
         length,
         lifts_off: false,
         opening: vec![0.0; structure.n_contacts()],
-        mean: padded(&rest),
+        mean: padded(&rest.eta),
+        forces: rest.forces.clone(),
         shape: padded(&shape),
-    })
-}
-
-/// Whether a law is a stop with a clearance.
-fn stands_back(law: &PlacedLaw) -> bool {
-    law.law.stop_gap().is_some_and(|gap| gap > 0.0)
+    };
+    // Before contacts that touch at rest motions are those of another amplitude, away from these.
+    let opened = touching.filter(Grazing::touches_at_rest);
+    Ok(opened.map_or_else(
+        || start.clone(),
+        |opened| {
+            let share = amplitude.abs() / opened.amplitude.abs();
+            Grazing {
+                amplitude: share * opened.amplitude,
+                length: share * opened.length,
+                opening: opened.opening.iter().map(|by| share * by).collect(),
+                ..start.clone()
+            }
+        },
+    ))
 }
 
 /// Amplitude at which a mode first touches a law that is a stop with a clearance, negative where that is at the phase
 /// 1/2, and the clearance, m; infinite where it touches none.
-fn first_stop(structure: &ModalStructure, shape: &[f64]) -> (f64, f64) {
-    let of = |law: &PlacedLaw| {
-        let gap = law.law.stop_gap().filter(|gap| *gap > 0.0)?;
-        let terms = shape.iter().zip(&law.modes).map(|(s, r)| s * r);
-        let (row, size) = (terms.clone().sum::<f64>(), terms.map(f64::abs).sum::<f64>());
+fn first_stop(laws: &[Resting], shape: &[f64]) -> (f64, f64) {
+    let of = |law: &Resting| {
+        let gap = law.gap().filter(|gap| *gap > 0.0)?;
+        let (row, size) = (law.moved(shape), law.size(shape));
         (row.abs() > NODE * size).then_some((gap / row, gap))
     };
-    let all = structure.laws().iter().filter_map(of);
-    all.min_by(|a, b| a.0.abs().total_cmp(&b.0.abs())).unwrap_or((f64::INFINITY, f64::INFINITY))
+    laws.iter().filter_map(of).min_by(|a, b| a.0.abs().total_cmp(&b.0.abs())).unwrap_or((f64::INFINITY, f64::INFINITY))
 }
 
 /// Displacement of the first law by a mode of unit amplitude, 1/√kg; none where it is at a node of the mode.
-fn first_law(structure: &ModalStructure, shape: &[f64]) -> Option<f64> {
-    let moved = |law: &PlacedLaw| shape.iter().zip(&law.modes).map(|(s, r)| s * r).sum::<f64>().abs();
-    let all: Vec<f64> = structure.laws().iter().map(moved).collect();
-    let size = shape.iter().zip(structure.laws().first()?.modes.iter()).map(|(s, r)| (s * r).abs()).sum::<f64>();
-    all.first().copied().filter(|first| *first > NODE * size)
+fn first_law(laws: &[Resting], shape: &[f64]) -> Option<f64> {
+    let first = laws.first()?;
+    let moved = first.moved(shape).abs();
+    (moved > NODE * first.size(shape)).then_some(moved)
 }
 
 /// Displacement of a law, m, at which laws change the frequency of a mode by a tenth, or the clearance of the stop
@@ -132,40 +184,50 @@ fn first_law(structure: &ModalStructure, shape: &[f64]) -> Option<f64> {
 /// # Errors
 /// As [`modal_start`].
 pub fn law_length(structure: &ModalStructure, mode: usize) -> Result<f64, HbmError> {
-    let Tangent { omega_squared, shape } = tangent_mode(structure, mode)?;
-    Ok(length(structure, &shape, omega_squared))
+    let laws = resting(structure, None);
+    let Tangent { omega_squared, shape } = tangent_mode(structure, (&laws, &[]), mode)?;
+    Ok(length(&laws, &shape, omega_squared))
 }
 
-fn length(structure: &ModalStructure, shape: &[f64], omega_squared: f64) -> f64 {
-    let (_, gap) = first_stop(structure, shape);
-    let smooth: Vec<PlacedLaw> = structure.laws().iter().filter(|law| !stands_back(law)).cloned().collect();
-    if smooth.is_empty() && gap.is_finite() {
+fn length(laws: &[Resting], shape: &[f64], omega_squared: f64) -> f64 {
+    let (_, gap) = first_stop(laws, shape);
+    if laws.iter().all(Resting::stands_back) && gap.is_finite() {
         return gap;
     }
-    displacement(structure, shape, amplitude_within(structure.laws(), shape, omega_squared, NONLINEAR)).min(gap)
+    let amplitude = amplitude_within(laws, shape, omega_squared, NONLINEAR);
+    max_norm(laws.iter().map(|law| law.moved(shape) * amplitude)).min(gap)
 }
 
-/// Largest displacement of a law, m, by a mode of this amplitude.
-fn displacement(structure: &ModalStructure, shape: &[f64], amplitude: f64) -> f64 {
-    let moved = |law: &PlacedLaw| shape.iter().zip(&law.modes).map(|(s, r)| s * r).sum::<f64>() * amplitude;
-    max_norm(structure.laws().iter().map(moved))
-}
-
-/// `(Ω² + Rᵀ (I + K H)⁻¹ K R) φ = ω² φ` with the tangents `K` of the laws at rest.
-fn tangent_mode(structure: &ModalStructure, mode: usize) -> Result<Tangent, HbmError> {
-    let (m, laws) = (structure.n_moving(), structure.laws());
+/// `(Ω² + [Yᵀ Rᵀ] B⁻¹ [Y; K R]) φ = ω² φ` with the tangents `K` of the laws at rest, where the contacts of `Y` are
+/// closed, and the flexibility between them and laws, `B = [A, H; K Hᵀ, I + K H_vv]`.
+fn tangent_mode(
+    structure: &ModalStructure,
+    (laws, closed): (&[Resting], &[bool]),
+    mode: usize,
+) -> Result<Tangent, HbmError> {
+    let m = structure.n_moving();
     if mode == 0 || mode > m {
         return Err(HbmError::NoSuchMode { mode, available: m });
     }
-    let slopes: Vec<f64> = laws.iter().map(|law| law.law.at(0.0, 0.0).stiffness).collect();
-    let n = laws.len();
+    let set: Vec<usize> = (0..closed.len()).filter(|i| closed[*i]).collect();
+    let slopes: Vec<f64> = laws.iter().map(|law| law.placed.law.at(law.place, 0.0).stiffness).collect();
+    let (s, n) = (set.len(), set.len() + laws.len());
     let failed = |source| HbmError::Linalg { what: "linear modes with the tangents of laws", source };
-    let coupled = Mat::from_fn(n, n, |i, j| f64::from(u8::from(i == j)) + slopes[i] * laws[i].laws[j]);
-    let right = Mat::from_fn(n, m, |l, k| slopes[l] * laws[l].modes[k]);
+    let coupled = Mat::from_fn(n, n, |i, j| match (i.checked_sub(s), j.checked_sub(s)) {
+        (None, None) => structure.static_compliance(set[i], set[j]),
+        (None, Some(l)) => laws[l].placed.contacts[set[i]],
+        (Some(l), None) => slopes[l] * laws[l].placed.contacts[set[j]],
+        (Some(l), Some(k)) => f64::from(u8::from(l == k)) + slopes[l] * laws[l].placed.laws[k],
+    });
+    let row = |i: usize, k: usize| match i.checked_sub(s) {
+        None => structure.rows()[(set[i], k)],
+        Some(l) => laws[l].placed.modes[k],
+    };
+    let right = Mat::from_fn(n, m, |i, k| row(i, k) * i.checked_sub(s).map_or(1.0, |l| slopes[l]));
     let pressed = if n == 0 { right } else { DenseLu::factor(&coupled).map_err(failed)?.solve_columns(&right) };
     let entry = |i: usize, j: usize| {
         let own = if i == j { structure.omega_squared()[i] } else { 0.0 };
-        own + (0..n).map(|l| laws[l].modes[i] * pressed[(l, j)]).sum::<f64>()
+        own + (0..n).map(|p| row(p, i) * pressed[(p, j)]).sum::<f64>()
     };
     let (squares, shapes) =
         symmetric_eigen(&Mat::from_fn(m, m, |i, j| 0.5 * (entry(i, j) + entry(j, i)))).map_err(failed)?;
@@ -180,16 +242,17 @@ fn tangent_mode(structure: &ModalStructure, mode: usize) -> Result<Tangent, HbmE
 
 /// The largest modal amplitude, of those that halve one metre at a law, at which the laws change the squared frequency
 /// of a mode by at most this share: by their forces over a period, `(2/a) ⟨r F(a r cos τ) cos τ⟩` beside the tangent.
-fn amplitude_within(laws: &[PlacedLaw], shape: &[f64], omega_squared: f64, share: f64) -> f64 {
-    let rows: Vec<f64> = laws.iter().map(|law| shape.iter().zip(&law.modes).map(|(s, r)| s * r).sum()).collect();
+fn amplitude_within(laws: &[Resting], shape: &[f64], omega_squared: f64, share: f64) -> f64 {
+    let rows: Vec<f64> = laws.iter().map(|law| law.moved(shape)).collect();
     let omega = omega_squared.sqrt();
     let change = |amplitude: f64| -> f64 {
-        let of = |(placed, row): (&PlacedLaw, &f64)| {
-            let tangent = placed.law.at(0.0, 0.0);
+        let of = |(resting, row): (&Resting, &f64)| {
+            let Resting { placed, place } = resting;
+            let tangent = placed.law.at(*place, 0.0);
             let sample = |j: usize| {
                 let tau = TAU * j as f64 / SAMPLES as f64;
                 let (v, rate) = (amplitude * row * tau.cos(), -omega * amplitude * row * tau.sin());
-                let change = placed.law.at(v, rate).force - tangent.force;
+                let change = placed.law.at(place + v, rate).force - tangent.force;
                 let beyond = change - tangent.stiffness * v - tangent.damping * rate;
                 // Even laws push in the mean alone.
                 beyond.abs() * row.abs()
