@@ -63,20 +63,34 @@ pub(super) struct LawAt {
 pub(super) struct LawSeries {
     pub place: Series,
     rate: Option<Series>,
+    /// What unit reactions at the nodes move, at the nodes and both ends of a step of length h: coefficients of the
+    /// powers of h over the longest step, of the displacement and of h times the rate.
+    by_reactions: Vec<Vec<[f64; 2]>>,
 }
 
 impl LawSeries {
     /// Displacement and rate at the nodes and both ends of a step of length `h`, of what `of` takes.
     fn values(&self, of: impl Fn(&Series) -> Polynomial, flow: &Flow, h: f64) -> Vec<[f64; 2]> {
         let (place, rate) = (of(&self.place), self.rate.as_ref().map(of));
-        // Coefficients of a reaction, which begin at its degree, are divided by that power of the step.
-        let terms = (terms_within(h / flow.step) + DEGREE).min(ORDER);
+        let terms = terms_within(h / flow.step);
         let at = |tau: &f64| {
             let tau = tau * h / flow.step;
             let [value, slope] = place.up_to(terms, tau);
             [value, rate.map_or(slope / flow.step, |rate| rate.up_to(terms, tau)[0])]
         };
         NODES.iter().chain(&[0.0, 1.0]).map(at).collect()
+    }
+
+    /// Displacement and rate at the nodes and both ends of a step of length `h` by unit reactions at the nodes of all
+    /// laws.
+    fn moved(&self, flow: &Flow, h: f64, reactions: usize) -> impl Iterator<Item = Vec<[f64; 2]>> {
+        let x = h / flow.step;
+        let mut sums = vec![[0.0; 2]; (S + 2) * reactions];
+        for row in self.by_reactions[..=terms_within(x)].iter().rev() {
+            sums.iter_mut().zip(row).for_each(|(sum, c)| *sum = [sum[0] * x + c[0], sum[1] * x + c[1]]);
+        }
+        sums.iter_mut().for_each(|[_, rate]| *rate /= h);
+        sums.chunks(reactions).map(<[_]>::to_vec).collect::<Vec<_>>().into_iter()
     }
 }
 
@@ -91,7 +105,36 @@ impl ForcedStructure {
             row[m..2 * m].iter_mut().zip(modes).for_each(|(row, mode)| *row = self.rate() * mode);
             Series::new(&row, matrix, step)
         });
-        LawSeries { place: Series::new(place, matrix, step), rate }
+        let place = Series::new(place, matrix, step);
+        let by_reactions = self.by_reactions((&place, rate.as_ref()), step);
+        LawSeries { place, rate, by_reactions }
+    }
+
+    /// [`LawSeries::by_reactions`]: a reaction is a polynomial along the step, whose coefficient of `t^k` moves a place
+    /// with powers of the time from k on.
+    fn by_reactions(&self, (place, rate): (&Series, Option<&Series>), step: f64) -> Vec<Vec<[f64; 2]>> {
+        let (all, monomials) = (self.laws.len() * S, Monomials::new());
+        let mut by = vec![vec![[0.0; 2]; (S + 2) * all]; ORDER + 1];
+        let powers = self.laws.iter().enumerate().flat_map(|(l, at)| (0..S).map(move |k| (l, k, at.input)));
+        for (l, k, input) in powers {
+            let entry = self.first_of_input(input) + k;
+            let (moved, scale) = (place.column(entry), (self.rate() * step).powi(-(k as i32)));
+            let of_rate = rate.map(|rate| rate.column(entry));
+            for (i, tau) in NODES.into_iter().chain([0.0, 1.0]).enumerate() {
+                let slope = |p: usize| match (&of_rate, p.checked_sub(1)) {
+                    (_, None) => 0.0,
+                    (Some(rate), Some(before)) => rate.a[before] * step * tau.powi(before as i32),
+                    (None, Some(before)) => p as f64 * moved.a[p] * tau.powi(before as i32),
+                };
+                for (p, to) in (k..=ORDER).zip(&mut by) {
+                    let [value, slope] = [moved.a[p] * tau.powi(p as i32), slope(p)].map(|of| scale * of);
+                    for (to, share) in to[i * all + l * S..].iter_mut().zip(monomials.0[k]) {
+                        *to = [to[0] + share * value, to[1] + share * slope];
+                    }
+                }
+            }
+        }
+        by
     }
 
     /// Adds a law of force: modes at its place (m, 1/√kg), the flexibility beyond them between contacts and its place
@@ -142,27 +185,7 @@ impl ForcedStructure {
 
     /// What reactions of the laws move in a step of length `h`.
     fn law_moves(&self, flow: &Flow, h: f64) -> Vec<Vec<[f64; 2]>> {
-        let (laws, monomials) = (&self.laws, Monomials::new());
-        let scale = h * self.rate();
-        let mut by = vec![vec![[0.0; 2]; laws.len() * S]; laws.len() * (S + 2)];
-        for (l, law) in flow.laws.iter().enumerate() {
-            for (other, at) in laws.iter().enumerate() {
-                let first = self.first_of_input(at.input);
-                let mut factor = 1.0;
-                for (k, row) in monomials.0.iter().enumerate() {
-                    let moved = law.values(|series| series.column(first + k), flow, h);
-                    for (i, moved) in moved.into_iter().enumerate() {
-                        for (j, share) in row.iter().enumerate() {
-                            let entry = &mut by[l * (S + 2) + i][other * S + j];
-                            entry[0] += share * factor * moved[0];
-                            entry[1] += share * factor * moved[1];
-                        }
-                    }
-                    factor /= scale;
-                }
-            }
-        }
-        by
+        flow.laws.iter().flat_map(|law| law.moved(flow, h, self.laws.len() * S)).collect()
     }
 
     /// Force of a law along a step, from the coefficients of its reaction in `w`.
@@ -220,15 +243,6 @@ pub(super) struct LawSteps<'a> {
     switch: Option<(usize, f64)>,
     /// Whether one began or ended to act at its beginning.
     has_switched: bool,
-    /// What reactions move in a step of the same length with the same contacts.
-    moves: Option<Moves>,
-}
-
-/// Displacement and rate of each law, at the nodes and both ends of a step, by each reaction at a node.
-struct Moves {
-    closed: Vec<bool>,
-    step: f64,
-    by: Vec<Vec<[f64; 2]>>,
 }
 
 /// Reactions along a step.
@@ -242,7 +256,7 @@ struct Solved {
 impl<'a> LawSteps<'a> {
     pub fn new(structure: &'a ForcedStructure) -> Self {
         let acting = Arc::new(vec![false; structure.n_law_stops()]);
-        Self { structure, step: f64::INFINITY, largest: 0.0, acting, switch: None, has_switched: false, moves: None }
+        Self { structure, step: f64::INFINITY, largest: 0.0, acting, switch: None, has_switched: false }
     }
 
     /// Begins a motion: which stops act.
@@ -250,8 +264,7 @@ impl<'a> LawSteps<'a> {
         let acts = |(l, gap): (usize, f64)| running.flow.laws[l].place.value_and_slope(&running.w)[0] > gap;
         let acting = Arc::new(self.structure.law_stops().map(acts).collect());
         // The steps of the motion before are the first guess for those of this one.
-        let (moves, step) = (self.moves.take(), self.step);
-        *self = Self { acting, moves, step, ..Self::new(self.structure) };
+        *self = Self { acting, step: self.step, ..Self::new(self.structure) };
     }
 
     /// Puts the reactions of a step into `w`; its end, not beyond `until`.
@@ -358,7 +371,7 @@ impl<'a> LawSteps<'a> {
     }
 
     /// The reactions at the nodes of a step of length `h` by Newton's method; `None` where they are not found.
-    fn solve(&mut self, flow: &Flow, w: &[f64], h: f64) -> Option<Solved> {
+    fn solve(&self, flow: &Flow, w: &[f64], h: f64) -> Option<Solved> {
         let laws = &self.structure.laws;
         let n = laws.len() * S;
         let mut free = w.to_vec();
@@ -366,10 +379,7 @@ impl<'a> LawSteps<'a> {
             let first = self.structure.first_of_input(at.input);
             free[first..=first + DEGREE].fill(0.0);
         });
-        let by = match self.moves.take().filter(|moves| moves.step == h && moves.closed == flow.closed) {
-            Some(moves) => moves.by,
-            None => self.structure.law_moves(flow, h),
-        };
+        let by = self.structure.law_moves(flow, h);
         let from_state = |law: &LawSeries| law.values(|series| series.from(&free), flow, h);
         let base: Vec<[f64; 2]> = flow.laws.iter().flat_map(from_state).collect();
         let place = |row: usize, u: &[f64]| {
@@ -439,7 +449,6 @@ impl<'a> LawSteps<'a> {
                 defect = defect.max(strength * ((reaction + force).abs() - rounding).max(0.0));
             }
         }
-        self.moves = Some(Moves { closed: flow.closed.clone(), step: h, by });
         Some(Solved { reactions: u, defect })
     }
 
