@@ -11,8 +11,8 @@ else
   residual = @(X) HB_residual(X, sys, H, N, 'FRF');
 end
 if ~isfield(c, 'points')
-  M = sys.M; K = sys.K; D = sys.D;
-  save('-v7', fullfile(folder, 'system.mat'), 'M', 'K', 'D');
+  M = sys.M; K = sys.K;
+  save('-v7', fullfile(folder, 'system.mat'), 'M', 'K');
   return
 end
 % Each point by Newton's method across the curve: the shortest way onto that of NLvib.
@@ -40,7 +40,7 @@ fclose(file);
 end
 
 function [sys, H, begins, ends, ds, is_free, options, inorm, x0, fscl] = example(name)
-is_free = any(strcmp(name, {'04', '09'}));
+is_free = any(strcmp(name, {'04', '06', '09'}));
 inorm = 0; fscl = 1;
 switch name
   case '01'
@@ -56,6 +56,15 @@ switch name
     sys = ChainOfOscillators([1 1], [0 0 0], [1 1 1], struct('type', 'cubicSpring', 'stiffness', .5, ...
       'force_direction', [1; 0]));
     [H, begins, ends, ds, inorm] = deal(9, -1, c_end(), .013, 2);
+  case {'06', '06, forced'}
+    s = [1.13 2] .^ 2;
+    sys = System_with_PolynomialStiffnessNonlinearity(eye(2), diag([2e-3 * 1.13, 1e-2 * 2]), diag(s), ...
+      [2 0; 1 1; 0 2; 3 0; 2 1; 1 2; 0 3], ...
+      [1.5 * s(1), s(2) / 2; s(2), s(1); s(1) / 2, 1.5 * s(2); sum(s) / 2 * [1 0; 0 1; 1 0; 0 1]], 3e-3 * [1; 1]);
+    [H, begins, ends, ds] = deal(7, 1.6, .8, .005);
+    if is_free
+      [begins, ends, ds, inorm] = deal(-6, -.5, .01, 1);
+    end
   case '09'
     sys = FE_EulerBernoulliBeam(.7, .014, .014, 2.05e11, 7800, 'clamped-free', 20);
     add_nonlinear_attachment(sys, 20, 'trans', 'cubicSpring', 'stiffness', 6e9);
