@@ -1,6 +1,5 @@
 //! Following a disturbed motion until it is known what it becomes.
 
-use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::path::Path;
 
@@ -50,6 +49,10 @@ const NEARER: f64 = 3.0;
 /// Distance to an unstable motion over that after so many periods up to which a motion of these is not sought: it would
 /// be the unstable one.
 const LEAVES: f64 = 30.0;
+
+/// What a search for an exact motion takes in periods of following, for each of its own: no more time goes into
+/// searches than into following.
+const SEARCH: usize = 20;
 
 /// By how many powers of e the slowest mode decays while a motion is followed, and the fewest and most periods of the
 /// load for that.
@@ -222,7 +225,7 @@ impl Search {
             values: Vec::new(),
             largest: Vec::new(),
             most: NONE,
-            tried: HashMap::new(),
+            searched: 0,
             ahead: None,
             unstable: start.map(|start| (start.state.clone(), self.at.subharmonic)).collect(),
         };
@@ -243,7 +246,7 @@ impl Search {
             found.is_none() && periods < most
         })?;
         let periods = count / STATES;
-        let becomes = match found {
+        let becomes = match found.or_else(|| self.not_left(&followed, settings.disturbance)) {
             Some((motion, periods)) => self.verdict(&motion, periods)?,
             None => self.not_periodic(&followed),
         };
@@ -269,15 +272,14 @@ impl Search {
         // A motion of several periods may nearly be one of fewer.
         let near = |distance: f64| distance < THERE || distance < SEEN.min(NEARER * least);
         for (periods, distance) in distances.into_iter().filter(|(_, distance)| near(*distance)) {
-            // Newton's method is worth its time as the motion comes nearer.
-            let tried = followed.tried.get(&periods).copied().unwrap_or(f64::INFINITY);
             let is_known = |(state, of): &(Vec<f64>, usize)| {
                 periods.is_multiple_of(*of) && self.structure.distance(state, last) < LEAVES * distance
             };
-            if distance > 0.3 * tried || followed.unstable.iter().any(is_known) {
+            let is_due = followed.searched <= followed.largest.len();
+            if !is_due || followed.unstable.iter().any(is_known) {
                 continue;
             }
-            followed.tried.insert(periods, distance);
+            followed.searched += SEARCH * periods;
             let found = self.structure.periodic(self.at.level, self.at.omega, periods, last);
             let Ok(motion) = found else { continue };
             if !is_stable(&motion) {
@@ -293,6 +295,15 @@ impl Search {
             }
         }
         None
+    }
+
+    /// The motion of the point where a disturbance that grows or decays so slowly cannot have left it yet.
+    fn not_left(&self, followed: &Followed, disturbance: f64) -> Option<(ForcedMotion, usize)> {
+        let (start, last) = (self.start.as_ref()?, followed.flashes.last()?);
+        let most = start.multipliers.first()?.norm();
+        let grown = disturbance * most.powf(followed.largest.len() as f64 / self.at.subharmonic as f64);
+        (grown < SEEN && self.structure.distance(&start.state, last) < SEEN)
+            .then(|| (start.clone(), self.at.subharmonic))
     }
 
     /// A motion of several periods of the load, or the one of fewer that it repeats.
@@ -395,8 +406,8 @@ struct Followed {
     largest: Vec<f64>,
     /// That of the present period so far.
     most: f64,
-    /// Distance at which an exact motion of so many periods was sought.
-    tried: HashMap<usize, f64>,
+    /// Periods that searches for exact motions have taken.
+    searched: usize,
     /// A stable motion next to which it came, with its periods.
     ahead: Option<(ForcedMotion, usize)>,
     /// States of unstable motions next to which it was, with their periods.

@@ -67,7 +67,8 @@ impl Becomes {
     fn text(&self) -> String {
         match self {
             Self::Periodic { returns: true, largest_multiplier, .. } => {
-                format!("periodic: itself again, multipliers up to {}", short(*largest_multiplier))
+                let how = if *largest_multiplier > 1.0 { "itself, left too slowly to be seen" } else { "itself again" };
+                format!("periodic: {how}, multipliers up to {}", short(*largest_multiplier))
             }
             Self::Periodic { periods, largest_multiplier, .. } => format!(
                 "periodic: one period in {periods} of the load, multipliers up to {}",
