@@ -190,9 +190,9 @@ fn check(name: &str, chain: &Chain, used: &[What], settings: &ResponseSettings, 
                 continue;
             }
             let (difference, size) = (slope(of), of(&point).abs() / value);
-            // The largest force of a stop that dissipates has ten digits.
+            // The largest force of a stop that dissipates has ten digits. Second-order differences leave 1.5e-6.
             let is_rough = quantity.starts_with("peak") && used.contains(&What::StopDamper);
-            let (least, tolerance) = if is_rough { (1e-1, 2e-5) } else { (1e-3, 1e-6) };
+            let (least, tolerance) = if is_rough { (1e-1, 2e-5) } else { (1e-3, 2e-6) };
             let error = (gradient - difference).abs() / difference.abs().max(least * size);
             assert!(
                 error < tolerance,
