@@ -251,13 +251,16 @@ mod tests {
         assert_eq!(polynomials(listed).recurrence.len(), 2);
     }
 
+    /// A function of the variables, with its derivatives.
+    type Differentiable<'f> = &'f dyn Fn(&[f64]) -> (f64, Vec<f64>);
+
     /// `x₀ + x₁² + 2 x₀ x₂` of independent standard normal and uniform variables: variances by hand.
     #[test]
     fn indices_of_a_polynomial_are_exact_and_those_of_other_functions_right_to_what_is_said() {
         let normal = Distribution::Normal { mean: 0.0, std: 1.0, min: f64::NEG_INFINITY, max: f64::INFINITY };
         let variables = [normal, normal, Distribution::Uniform { low: -1.0, high: 1.0 }];
         let bases = variables.map(|one| polynomials(Values::Drawn(one)));
-        let sample = |f: &dyn Fn(&[f64]) -> (f64, Vec<f64>), n: usize| -> Vec<Sample> {
+        let sample = |f: Differentiable<'_>, n: usize| -> Vec<Sample> {
             let at = |j: usize| {
                 let u = [0.819_172_5, 0.671_043_6, 0.549_700_5].map(|a| (0.5 + a * (j + 1) as f64).fract());
                 let x: Vec<f64> = variables.iter().zip(u).map(|(one, u)| one.quantile(u)).collect();
