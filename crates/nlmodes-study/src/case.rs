@@ -10,7 +10,6 @@ use nlmodes_scene::{SceneError, SceneFile, parse_each_method};
 use serde_json::Value;
 
 use crate::design::Points;
-use crate::run::Shard;
 use crate::study::Study;
 pub use name::hex;
 use name::id;
@@ -126,11 +125,11 @@ fn resolve_text(study: &Study, text: &str, set: Vec<String>) -> Result<Vec<Resol
 
 /// All cases of a study in their order, with their scenes read by this many threads.
 pub fn cases(study: &Study, threads: usize) -> Vec<Case> {
-    cases_of(study, Shard::default(), threads)
+    cases_of(study, |_| true, threads)
 }
 
-/// Those of a shard: nothing is read of the others.
-pub fn cases_of(study: &Study, shard: Shard, threads: usize) -> Vec<Case> {
+/// Those of some points of the design, as of a shard: nothing is read of the others.
+pub fn cases_of(study: &Study, has: impl Fn(usize) -> bool + Sync, threads: usize) -> Vec<Case> {
     let points = Points::new(study);
     let next = AtomicUsize::new(0);
     let work = || {
@@ -140,7 +139,7 @@ pub fn cases_of(study: &Study, shard: Shard, threads: usize) -> Vec<Case> {
             if number >= points.len() {
                 return found;
             }
-            if shard.has(number) {
+            if has(number) {
                 found.push((number, of_point(study, number, &points.get(number))));
             }
         }

@@ -36,7 +36,7 @@ const LOOK: Duration = Duration::from_millis(50);
 /// # Errors
 /// [`StudyError`], if no case can be computed, or the disk is full.
 pub fn run(study: &Study, settings: &Settings, observer: &mut dyn StudyObserver) -> Result<StudyOutcome, StudyError> {
-    let all = cases_of(study, settings.shard, settings.jobs());
+    let all = cases_of(study, |point| settings.shard.has(point), settings.jobs());
     let none_of = |cases: &[Case]| cases.iter().all(|case| case.id.is_err());
     if let Some(Case { id: Err(reason), .. }) = all.first().filter(|_| none_of(&all)) {
         let whole = cases(study, settings.jobs());
