@@ -355,9 +355,12 @@ pub fn largest_value(z: &[Complex64]) -> f64 {
     largest_instant(z)[1]
 }
 
-/// Where it is, and the largest value. What is looked at begins before the phase zero, which thus is no end.
+/// Where it is, and the largest value. The best sample may be an end of the period: a second search has it inside.
 pub(super) fn largest_instant(z: &[Complex64]) -> [f64; 2] {
-    largest(&Trigonometric { z: z.to_vec() }, -1.0, TAU).into()
+    let series = Trigonometric { z: z.to_vec() };
+    let (near, _) = largest(&series, 0.0, TAU);
+    let beside = TAU / (8 * z.len().max(1)) as f64;
+    largest(&series, near - beside, near + beside).into()
 }
 
 #[cfg(test)]
