@@ -49,8 +49,8 @@ def geometric(s):
     laws += [(np.pi * k / 3, [0.0, 0.0, 4 * sum(s) / 9]) for k in range(3)]
     text = ""
     for angle, law in laws:
-        text += f"[[spring]]\nnode = 1\ndirection = [{np.cos(angle)!r}, {np.sin(angle)!r}, 0.0]\nlaw = {{ polynomial = {[float(v) for v in law]} }}\n"
-    return text.replace("np.float64(", "").replace(")", "")
+        text += f"[[spring]]\nnode = 1\ndirection = [{float(np.cos(angle))!r}, {float(np.sin(angle))!r}, 0.0]\nlaw = {{ polynomial = {[float(v) for v in law]} }}\n"
+    return text
 
 
 def from_rest(q, of):

@@ -94,16 +94,6 @@ pub use error::ExploreError;
 #[cfg(feature = "explore")]
 pub use page::Page;
 
-/// What 1 % of each parameter of a scene does to peak, largest contact force and folds of its first response, as the
-/// page's script takes it.
-///
-/// # Errors
-/// As [`picture`].
-#[cfg(feature = "explore")]
-fn effects(file: &SceneFile, watch: Watch, structures: &Structures) -> Result<String, RunError> {
-    crate::responses::effects(file, &watch, structures)
-}
-
 /// Computes the branch of a scene from its start; one way where it goes both ways, without stability. Of a scene with
 /// responses the first curve of each level of the first one.
 ///

@@ -3,6 +3,8 @@
 mod certified;
 mod convert;
 mod curves;
+#[cfg(feature = "explore")]
+mod effects;
 mod figures;
 mod gradients;
 mod levels;
@@ -40,10 +42,12 @@ use crate::{Event, Failure, Observer, Over, RunError, links, no_contact};
 pub use curves::ComputedResponse;
 use curves::{Job, detached, follow, jobs};
 pub(crate) use curves::{curves_at, resonances_to};
+#[cfg(feature = "explore")]
+pub(crate) use effects::effects;
 pub(crate) use gradients::changes;
 pub use levels::Level;
 use overlaid::Beside;
-pub(crate) use picture::{effects, picture};
+pub(crate) use picture::picture;
 use sweeps::Sweep;
 use viewed::{pictured_of, viewed};
 

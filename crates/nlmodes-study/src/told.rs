@@ -64,7 +64,7 @@ impl Display for Expansion {
         let Self { degree, cases, with_gradients, mean, std, left_out, .. } = self;
         write!(f, "polynomials of degree {degree} by {cases} cases, {with_gradients} with gradients: ")?;
         write!(f, "mean {}, standard deviation {std:.3e}; ", number(*mean))?;
-        write!(f, "they miss a case that is left out by {left_out:.2e} of its variance")
+        write!(f, "leave-one-out error {left_out:.2e} of the variance")
     }
 }
 

@@ -415,8 +415,8 @@ fn modes_and_phase_resonance_begin_at_stops_without_a_gap() -> Outcome {
     Ok(())
 }
 
-/// Exact motions too: of a rod of two elements whose tip, without mass, touches at rest, `6` and `12` rad²/s² open and
-/// closed; and those of the heavy cantilever on its ledge, at lift-off. `verify` finds the former again.
+/// Exact motions too: of a rod of two elements whose tip, without mass, touches at rest, `6` and `12` rad²/s² open
+/// and closed; and those of the heavy cantilever on its ledge, at lift-off. `verify` finds the former again.
 #[test]
 fn exact_motions_begin_at_stops_that_touch_or_press() -> Outcome {
     let rod = "[structure]\nkind = \"rod\"\nlength_m = 1.0\nelements = 2\nstart = \"clamped\"\n\
@@ -442,8 +442,8 @@ fn exact_motions_begin_at_stops_that_touch_or_press() -> Outcome {
     Ok(())
 }
 
-/// A mode of a beam before a stop without a gap, with a second one at some distance: the conservative mode begins and ends where the branch does,
-/// which is computed in another way.
+/// A mode of a beam before a stop without a gap, with a second one at some distance: the conservative mode begins and
+/// ends where the branch does, which is computed in another way.
 #[test]
 fn a_mode_before_a_stop_without_a_gap_is_that_of_the_branch() -> Outcome {
     let other = "[[contact]]\nat_m = 0.6\ndirection = \"transverse\"\nside = \"positive\"\ngap_m = 1e-3\n";

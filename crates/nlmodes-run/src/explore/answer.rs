@@ -192,7 +192,7 @@ impl Explorer {
             Ok(file) => file,
             Err(why) => return Answer::wrong(422, &why),
         };
-        match self.computing.newest(|watch| super::effects(&file, watch, &self.structures)) {
+        match self.computing.newest(|watch| crate::responses::effects(&file, &watch, &self.structures)) {
             Some(Ok(effects)) => Answer::ok("application/json", effects),
             None | Some(Err(RunError::Ended)) => Answer::wrong(409, "superseded by a later change"),
             Some(Err(error)) => Answer::wrong(422, &error.to_string()),

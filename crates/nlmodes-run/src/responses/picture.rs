@@ -1,13 +1,10 @@
-//! The curves of the first response of a scene, and what its parameters do to them, without files, as data of the page.
+//! The curves of the first response of a scene, without files, as data of the page.
 
 use nlmodes::branches::Watch;
-use nlmodes::modal::{Event, GradientOf, ModalBranch, ModalPoint};
-use nlmodes::report::hertz;
 use nlmodes::response::StepLog;
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::Structures;
 use nlmodes_scene::scene::StabilityChoice;
-use serde_json::{Value, json};
 
 use super::curves::{ComputedResponse, follow, jobs};
 use super::viewed::viewed;
@@ -29,54 +26,8 @@ pub fn picture(file: &SceneFile, watch: &Watch, structures: &Structures) -> Resu
     picture::picture(scene, &curves, watch)
 }
 
-/// Peak, largest contact force and folds of the first response at each of its levels, with what 1 % of each parameter
-/// of the scene does to them, in per cent:
-/// `[{ level, quantities: [{ name, value, unit, effects: { key: percent } }] }]`.
-///
-/// # Errors
-/// As [`picture`].
-pub fn effects(file: &SceneFile, watch: &Watch, structures: &Structures) -> Result<String, RunError> {
-    let file = plain(file);
-    let model = Model::sharing(&file, structures)?;
-    let levels = levels(&file, &model, watch)?;
-    let of = |one: &ComputedResponse| json!({ "level": one.branch.label, "quantities": quantities(&one.branch) });
-    Ok(Value::Array(levels.iter().map(of).collect()).to_string())
-}
-
-/// Most folds that are reported.
-const FOLDS: usize = 4;
-
-fn quantities(branch: &ModalBranch) -> Vec<Value> {
-    let points = &branch.points;
-    let largest = |of: &dyn Fn(&ModalPoint) -> f64| points.iter().max_by(|a, b| of(a).total_cmp(&of(b)));
-    let told = |name: &str, unit: &str, point: &ModalPoint, (of, value): (GradientOf, f64)| {
-        let effect = |own: &nlmodes::modal::Gradient| {
-            let percent = own.of(of)? * own.value / value;
-            percent.is_finite().then(|| (own.parameter.to_string(), json!(percent)))
-        };
-        let effects: serde_json::Map<String, Value> = point.gradients.iter().filter_map(effect).collect();
-        let at = hertz(point.listed_omega());
-        json!({ "name": name, "unit": unit, "value": value, "frequency": at, "effects": effects })
-    };
-    let mut all = Vec::new();
-    if let Some(point) = largest(&|point| point.fundamental.abs()) {
-        all.push(told("peak", "m", point, (GradientOf::Amplitude, point.fundamental.abs())));
-    }
-    if let Some(point) = largest(&|point| point.peak_contact_force).filter(|point| point.peak_contact_force > 0.0) {
-        all.push(told("largest force", "N", point, (GradientOf::PeakForce, point.peak_contact_force)));
-    }
-    let is_fold = |k: &usize| points[*k].events.contains(&Event::Fold);
-    for k in (0..points.len()).filter(is_fold).take(FOLDS) {
-        let (own, at) = (&points[k], hertz(points[k].listed_omega()));
-        let before = k.checked_sub(1).map_or(at, |k| hertz(points[k].listed_omega()));
-        let name = if before < at { "jump up" } else { "jump down" };
-        all.push(told(name, "Hz", own, (GradientOf::Frequency, at)));
-    }
-    all
-}
-
 /// The scene for somebody who waits: without stability, and not too many points.
-fn plain(file: &SceneFile) -> SceneFile {
+pub(super) fn plain(file: &SceneFile) -> SceneFile {
     let mut file = file.clone();
     file.scene.stability = StabilityChoice::Never;
     file.scene.continuation.max_points = file.scene.continuation.max_points.min(MOST_POINTS);
@@ -84,7 +35,7 @@ fn plain(file: &SceneFile) -> SceneFile {
 }
 
 /// The first curve of each level of the first response.
-fn levels(file: &SceneFile, model: &Model, watch: &Watch) -> Result<Vec<ComputedResponse>, RunError> {
+pub(super) fn levels(file: &SceneFile, model: &Model, watch: &Watch) -> Result<Vec<ComputedResponse>, RunError> {
     let scene = &file.scene;
     let mut levels = Vec::new();
     for job in jobs(scene).into_iter().filter(|job| job.response() == 0) {

@@ -112,8 +112,8 @@ impl Row {
             }
         });
         let values = values.collect();
-        let differentiated = study.design.is_differentiated();
-        let slope = |quantity| slope(study, quantity, curve).ok().filter(|_| differentiated);
+        let is_differentiated = study.design.is_differentiated();
+        let slope = |quantity| is_differentiated.then(|| slope(study, quantity, curve).ok()).flatten();
         let slopes = study.quantities.iter().map(slope).collect();
         let drawn = if drawn { Drawn::of(case.number, curve) } else { Vec::new() };
         Self { state, reason: reasons.join(" | "), values, slopes, points: Some(curve.len()), drawn }

@@ -83,14 +83,14 @@ impl LawSeries {
 
     /// Displacement and rate at the nodes and both ends of a step of length `h` by unit reactions at the nodes of all
     /// laws.
-    fn moved(&self, flow: &Flow, h: f64, reactions: usize) -> impl Iterator<Item = Vec<[f64; 2]>> {
+    fn moved(&self, flow: &Flow, h: f64, reactions: usize) -> Vec<Vec<[f64; 2]>> {
         let x = h / flow.step;
         let mut sums = vec![[0.0; 2]; (S + 2) * reactions];
         for row in self.by_reactions[..=terms_within(x)].iter().rev() {
             sums.iter_mut().zip(row).for_each(|(sum, c)| *sum = [sum[0] * x + c[0], sum[1] * x + c[1]]);
         }
         sums.iter_mut().for_each(|[_, rate]| *rate /= h);
-        sums.chunks(reactions).map(<[_]>::to_vec).collect::<Vec<_>>().into_iter()
+        sums.chunks(reactions).map(<[_]>::to_vec).collect()
     }
 }
 

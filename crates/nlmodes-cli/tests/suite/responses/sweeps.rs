@@ -57,7 +57,8 @@ fn with_a_cubic_spring_both_jumps_are_in_the_sweeps() -> Outcome {
         material = { youngs_modulus_pa = 1.0, density_kg_m3 = 1.0 }\nsection = { area_m2 = 1.0 }\n\
         [[spring]]\nat_m = 1.0\ndirection = \"axial\"\nlaw = { polynomial = [0.0, 0.0, 0.3] }\n\
         [damping]\nratio = 0.02\n[reduction]\nmodes = 2\n[[force]]\nat_m = 0.5\ndirection = \"axial\"\n\
-        [[response]]\nkind = \"frequency\"\nfrequency_hz = [0.25, 0.28]\nlevels_n = [0.07]\nsweep = true\nsweep_s = 4800.0\n[method]\nharmonics = 5\n\
+        [[response]]\nkind = \"frequency\"\nfrequency_hz = [0.25, 0.28]\nlevels_n = [0.07]\n\
+        sweep = true\nsweep_s = 4800.0\n[method]\nharmonics = 5\n\
         [output]\nfigures = false\npage = false\n";
     let folder = tempdir()?;
     let output = run(folder.path(), scene, &[])?;

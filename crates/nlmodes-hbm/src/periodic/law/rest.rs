@@ -51,7 +51,7 @@ pub fn laws_at_rest(structure: &ModalStructure, moved: &[f64]) -> Result<Vec<Law
     let by_laws = |i: usize, f: &[LawForce]| -> f64 {
         f.iter().enumerate().map(|(j, f)| flexibility[(i, c + j)] * f.force).sum()
     };
-    let mut state = |v: Vec<f64>| -> Result<Resting, HbmError> {
+    let mut state = |v: Vec<f64>| -> Result<Trial, HbmError> {
         let forces = at_places(&v);
         let opened = |i: usize| -> f64 { structure.gaps()[i] - by_laws(i, &forces) };
         let (mut closed, mut pressing) = (vec![false; c], vec![0.0; c]);
@@ -60,7 +60,7 @@ pub fn laws_at_rest(structure: &ModalStructure, moved: &[f64]) -> Result<Vec<Law
         let pushed = |l: usize| pressing.iter().enumerate().map(|(i, p)| flexibility[(c + l, i)] * p).sum::<f64>();
         let pushed: Vec<f64> = (0..n).map(pushed).collect();
         let off = (0..n).map(|l| v[l] + by_laws(c + l, &forces) - pushed[l] - moved[l]).collect();
-        Ok(Resting { v, forces, closed, pushed, off })
+        Ok(Trial { v, forces, closed, pushed, off })
     };
     let mut at = state(moved.to_vec())?;
     for _ in 0..STEPS {
@@ -96,7 +96,7 @@ pub fn laws_at_rest(structure: &ModalStructure, moved: &[f64]) -> Result<Vec<Law
 }
 
 /// Laws on their way to the place at rest.
-struct Resting {
+struct Trial {
     /// Displacements of their places, m.
     v: Vec<f64>,
     forces: Vec<LawForce>,

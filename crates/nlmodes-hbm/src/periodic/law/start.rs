@@ -145,19 +145,14 @@ pub fn modal_start(
         shape: padded(&shape),
     };
     // Before contacts that touch at rest motions are those of another amplitude, away from these.
-    let opened = touching.filter(Grazing::touches_at_rest);
-    Ok(opened.map_or_else(
-        || start.clone(),
-        |opened| {
-            let share = amplitude.abs() / opened.amplitude.abs();
-            Grazing {
-                amplitude: share * opened.amplitude,
-                length: share * opened.length,
-                opening: opened.opening.iter().map(|by| share * by).collect(),
-                ..start.clone()
-            }
-        },
-    ))
+    let Some(opened) = touching.filter(Grazing::touches_at_rest) else { return Ok(start) };
+    let share = amplitude.abs() / opened.amplitude.abs();
+    Ok(Grazing {
+        amplitude: share * opened.amplitude,
+        length: share * opened.length,
+        opening: opened.opening.iter().map(|by| share * by).collect(),
+        ..start
+    })
 }
 
 /// Amplitude at which a mode first touches a law that is a stop with a clearance, negative where that is at the phase
