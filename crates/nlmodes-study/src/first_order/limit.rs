@@ -1,5 +1,7 @@
 //! How much of the tolerances keeps a quantity to its limit.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use super::corner::{Corner, ends};
@@ -21,7 +23,9 @@ pub struct Kept {
     pub share: Option<f64>,
     /// The quantity at that share of the way, as computed.
     pub computed: Option<f64>,
-    /// Why the share is not computed; else empty.
+    /// The tolerances with that share of their widths: lowest and highest value of each variable.
+    pub within: BTreeMap<String, [f64; 2]>,
+    /// Why the share is not computed, or what it does not tell; else empty.
     pub reason: String,
 }
 
@@ -47,6 +51,7 @@ pub fn kept(
         first_order: (way != 0.0).then(|| (room / way).max(0.0)),
         share: None,
         computed: None,
+        within: BTreeMap::new(),
         reason: String::new(),
     };
     if !limit.holds(slope.value) {
@@ -60,13 +65,23 @@ pub fn kept(
     };
     if limit.holds(there) {
         (kept.share, kept.computed) = (Some(1.0), Some(there));
-        return Ok(Some(kept));
+        if let Some(names) = corner.map(|corner| corner.turns_over.join(", ")).filter(|names| !names.is_empty()) {
+            kept.reason = format!("nearer to the means it is more extreme by {names}, which was not computed");
+        }
+    } else {
+        within.search(quantity, (slope.value, there, &end), cases, &mut kept)?;
     }
-    within.search(quantity, (slope.value, there, &end), cases, &mut kept)?;
+    kept.within = kept.share.map(|share| within.narrowed(share)).unwrap_or_default();
     Ok(Some(kept))
 }
 
 impl Within<'_> {
+    /// The tolerances with a share of their widths.
+    fn narrowed(&self, share: f64) -> BTreeMap<String, [f64; 2]> {
+        let each = self.study.variables.iter().zip(&self.tolerances);
+        each.map(|(variable, t)| (variable.name.clone(), t.ends.map(|end| t.mean + share * (end - t.mean)))).collect()
+    }
+
     /// Where the quantity meets its limit between the means, which keep to it, and the corner, which does not: by
     /// chords, of which the end that stays counts half (the Illinois method). The share is that of the last case that
     /// keeps to the limit.

@@ -2,7 +2,7 @@
 
 use std::fmt::{Display, Formatter, Result};
 
-use nlmodes_scene::number;
+use nlmodes_scene::{number, significant};
 
 use crate::first_order::{Compared, Corner, Effect, FirstOrder, Kept, OfQuantity};
 
@@ -83,19 +83,20 @@ impl Display for Kept {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         write!(f, "{} {}: ", self.which, number(self.limit))?;
         let first = self.first_order.map_or_else(|| "nothing".to_owned(), |share| format!("{:.1} %", 100.0 * share));
+        let at_corner = |value: f64| format!("{} at the worst corner, {first} by gradients", number(value));
         match (self.share, self.computed) {
-            (Some(0.0), _) if self.first_order == Some(0.0) => write!(f, "the means are beyond it"),
-            (Some(1.0), Some(value)) => {
-                write!(f, "all of the tolerances keep it, {} at the worst corner (by gradients {first})", number(value))
-            }
+            (Some(0.0), _) if self.first_order == Some(0.0) => write!(f, "the means are beyond it")?,
+            (Some(1.0), Some(value)) => write!(f, "kept within the tolerances ({})", at_corner(value))?,
             (Some(share), Some(value)) => {
-                let (share, value) = (100.0 * share, number(value));
-                write!(
-                    f,
-                    "{share:.1} % of the tolerances keep it, {value} at their worst corner (by gradients {first})"
-                )
+                let range = |(name, [low, high]): (&String, &[f64; 2])| {
+                    format!("{name} from {} to {}", significant(*low, 5), significant(*high, 5))
+                };
+                let ranges: Vec<String> = self.within.iter().map(range).collect();
+                let (share, ranges) = (100.0 * share, ranges.join(", "));
+                write!(f, "kept with tolerances of {share:.1} % of these: {ranges} ({})", at_corner(value))?;
             }
-            _ => write!(f, "by gradients {first} of the tolerances keep it; computed it is not: {}", self.reason),
+            _ => write!(f, "by gradients kept with tolerances of {first} of these; not computed")?,
         }
+        if self.reason.is_empty() { Ok(()) } else { write!(f, ": {}", self.reason) }
     }
 }
