@@ -650,7 +650,7 @@ fn a_free_beam_lies_on_its_supports_or_falls() -> Outcome {
     for (supports, mode, wanted) in [
         (below(&[0.5, 1.75]), 1, "that is the first mode on its contacts"),
         (below(&[0.25, 0.75]), 2, "no forces of its contacts balance the load"),
-        (below(&[1.0]), 2, "rigid-body motions that no contact feels, which come first"),
+        (below(&[1.0]), 2, "rigid-body motions that no contact feels"),
         (below(&[1.0]) + &below(&[1.75]).replace("0.0\n", "0.01\n"), 2, "it can still roll or tip over them"),
         (support(0.5, "positive") + &support(1.5, "positive"), 2, "no forces of its contacts balance the load"),
     ] {
@@ -664,5 +664,50 @@ fn a_free_beam_lies_on_its_supports_or_falls() -> Outcome {
     let folder = tempdir()?;
     let (code, said) = call("check", &scene(&folder, &pushed)?, &[])?;
     assert!(code == Some(2) && said.contains("in a way that no contact feels") && said.contains("axial"), "{said}");
+    Ok(())
+}
+
+/// A conservative mode begins at lift-off with the frequency that it has without the damper, and has it later as far as
+/// harmonics go; a small damper changes a damped mode little.
+#[test]
+fn modes_start_where_a_stop_with_a_damper_is_closed_at_rest() -> Outcome {
+    let elastic = "gap_m = 0.0\nstiffness_n_m = 2e4\n";
+    let ledge = LEDGE.replace("gap_m = 0.0\n", elastic) + WEIGHT;
+    let ledge = ledge.replace("harmonics = 1\nmass_redistribution = \"drop\"\n", "harmonics = 15\n");
+    let scene = |damper: &str, kind: &str| {
+        let stop = format!("{elastic}{damper}");
+        ledge.replace(elastic, &stop) + &format!("[damping]\nratio = 0.01\n[[response]]\nkind = \"{kind}\"\n")
+    };
+    let both = |damper: &str, kind: &str| -> Result<[f64; 2], Box<dyn Error>> {
+        let (folder, _) = run(&scene(damper, kind), &["output.figures=false", "output.page=false"])?;
+        let rows = rows(&folder)?;
+        Ok([&rows[0], &rows[rows.len() - 1]].map(|row| row["frequency_hz"]))
+    };
+    let (plain, with) = (both("", "mode")?, both("damping_n_s_m = 5.0\n", "mode")?);
+    let off = [0, 1].map(|k| (with[k] / plain[k] - 1.0).abs());
+    assert!(off[0] < 1e-9 && off[1] < 1e-3, "{with:?} Hz with the damper, {plain:?} Hz without");
+    let (plain, with) = (both("", "damped-mode")?, both("damping_n_s_m = 0.01\n", "damped-mode")?);
+    let off = [0, 1].map(|k| (with[k] / plain[k] - 1.0).abs());
+    assert!(off[0] < 1e-6 && off[1] < 1e-4, "{with:?} Hz with the damper, {plain:?} Hz without");
+    Ok(())
+}
+
+/// A beam that two springs carry also moves along its axis, which nothing feels: its linear response is stable
+/// everywhere.
+#[test]
+fn what_no_contact_feels_has_no_part_in_stability() -> Outcome {
+    let spring = |at: f64| {
+        format!(
+            "[[contact]]\nat_m = {at:?}\ndirection = \"transverse\"\nside = \"negative\"\ngap_m = 0.0\n\
+             stiffness_n_m = 2e6\n"
+        )
+    };
+    let text = "[structure]\nkind = \"beam\"\nlength_m = 3.0\nelements = 12\nstart = \"free\"\nend = \"free\"\n\
+        material = { youngs_modulus_gpa = 210.0, density_kg_m3 = 7850.0 }\n\
+        section = { width_mm = 60.0, height_mm = 40.0 }\n[damping]\nratio = 0.02\n\
+        [[force]]\nat_m = 1.75\ndirection = \"transverse\"\n\
+        [[response]]\nkind = \"frequency\"\nfrequency_hz = [12.0, 24.0]\nlevels_n = [0.5]\n[method]\nmode = 2\n";
+    let (_folder, summary) = run(&(text.to_owned() + &spring(0.75) + &spring(2.75) + WEIGHT), &[])?;
+    assert_eq!(summary["levels"][0]["stable"], serde_json::json!([[12.0, 24.0]]), "{}", summary["levels"]);
     Ok(())
 }

@@ -64,6 +64,11 @@ impl ModalStructure {
         self.damped.iter().position(|i| *i == contact).map(|j| self.n_moving() + j)
     }
 
+    /// The contacts whose stops dissipate, in the order of their coordinates.
+    pub(crate) fn damped(&self) -> &[usize] {
+        &self.damped
+    }
+
     /// Flexibility beyond the modes between two contacts and of their stops at rest, also of those that dissipate, m/N.
     pub(crate) fn static_compliance(&self, i: usize, j: usize) -> f64 {
         let own = self.damped_stop(i).filter(|_| i == j).map_or(0.0, |k| 1.0 / self.omega_squared[k]);

@@ -14,7 +14,8 @@ use crate::{ContactOperator, HbmError, RealSeries, Symmetry};
 /// Floquet multipliers of a periodic response from its contact instants.
 ///
 /// ```text
-/// z̈ + Ĉ ż + (diag ω_k² − Yᵀ S_j Y) z = 0    while set j is closed, S_j = dλ/dy ;    M = Π_j e^{A_j Δt_j} ,   Π μ = e^{−tr Ĉ T}
+/// z̈ + Ĉ ż + (diag ω_k² − Yᵀ S_j Y) z = 0    while set j is closed, S_j = dλ/dy
+/// M = Π_j e^{A_j Δt_j} ,   Π μ = e^{−tr Ĉ T}
 /// ```
 ///
 /// Laws beside the stops add `−Rᵀ (k r + c ṙ)` with their slopes at each instant, for which the intervals are divided
@@ -24,7 +25,7 @@ use crate::{ContactOperator, HbmError, RealSeries, Symmetry};
 /// itself makes the error band, also where another one may be the largest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Floquet {
-    /// The 2m multipliers, by falling magnitude.
+    /// The 2m multipliers, by falling magnitude, without the +1 of rigid-body motions that no force reaches.
     pub multipliers: Vec<Complex64>,
     /// Estimated error of the largest one.
     pub error: f64,
@@ -221,6 +222,9 @@ impl PeriodicSystem {
             let step = self.step(operator, laws, &interval, at)?;
             monodromy = step * monodromy;
         }
+        let m = self.structure.n_modes();
+        let felt: Vec<usize> = (0..states).filter(|i| self.structure.is_held_or_felt(i % m)).collect();
+        let monodromy = Mat::from_fn(felt.len(), felt.len(), |i, j| monodromy[(felt[i], felt[j])]);
         let mut multipliers =
             eigenvalues(&monodromy).map_err(|source| HbmError::Linalg { what: "Floquet multipliers", source })?;
         multipliers.sort_by(|a, b| b.norm().total_cmp(&a.norm()));

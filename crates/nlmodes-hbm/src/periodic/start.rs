@@ -1,6 +1,7 @@
 use std::f64::consts::TAU;
 
-use nlmodes_linalg::max_norm;
+use nlmodes_contact::LcpMatrix;
+use nlmodes_linalg::{Mat, max_norm};
 use nlmodes_model::reduction::RestState;
 
 use super::structure::ModalStructure;
@@ -78,12 +79,15 @@ struct Felt {
     moving: Vec<usize>,
     /// Those of them that touch at rest without force.
     touching: Vec<usize>,
+    /// Force of each contact by the mode of unit amplitude.
+    forces: Vec<f64>,
 }
 
 impl Felt {
     fn of(structure: &ModalStructure, at: ModeAtRest<'_>) -> Result<Self, HbmError> {
         let (c, m) = (structure.n_contacts(), structure.n_moving());
-        let set = ClosedSet::new(structure.compliance(), &at.rest.closed)?;
+        let compliance = LcpMatrix::new(&Mat::from_fn(c, c, |i, j| structure.static_compliance(i, j)));
+        let set = ClosedSet::new(&compliance.map_err(HbmError::Compliance)?, &at.rest.closed)?;
         let seen = |i: usize, eta: &[f64]| (0..m).map(|k| structure.rows()[(i, k)] * eta[k]).sum::<f64>();
         let resting: Vec<f64> = (0..c).map(|i| structure.gaps()[i] + seen(i, &at.rest.eta)).collect();
         let moved: Vec<f64> = (0..c).map(|i| seen(i, at.shape)).collect();
@@ -96,7 +100,8 @@ impl Felt {
         // Open contacts have the gaps that they were given, those of a pressed rest come from its forces.
         let least = if at.rest.closed.contains(&true) { ROUNDING * largest } else { 0.0 };
         let touching = moving.iter().copied().filter(|&i| guards[i] <= least).collect();
-        Ok(Self { guards, slopes, moving, touching })
+        let forces = (0..c).map(|i| set.force(i, &moved)).collect();
+        Ok(Self { guards, slopes, moving, touching, forces })
     }
 
     /// The contact, none that touches at rest, that is the first to change its state as the mode grows, and the
@@ -141,7 +146,11 @@ pub fn modal_lift_off_opened(structure: &ModalStructure, at: ModeAtRest<'_>, ene
         true => largest.max(2.0 * (energy * compliance_at(structure, contact, at.omega_squared)).sqrt()),
         false => largest,
     };
-    let padded = |eta: &[f64]| eta.iter().copied().chain(std::iter::repeat(0.0)).take(structure.n_modes()).collect();
+    // Stops that dissipate yield by what their springs carry.
+    let with_stops = |eta: &[f64], forces: &[f64]| {
+        let yielded = structure.damped().iter().zip(&structure.omega_squared()[eta.len()..]);
+        eta.iter().copied().chain(yielded.map(|(&contact, stiffness)| forces[contact] / stiffness)).collect()
+    };
     Ok(Grazing {
         mode: at.mode,
         omega,
@@ -152,9 +161,9 @@ pub fn modal_lift_off_opened(structure: &ModalStructure, at: ModeAtRest<'_>, ene
         length,
         opening,
         lifts_off: at.rest.closed[contact],
-        mean: padded(&at.rest.eta),
+        mean: with_stops(&at.rest.eta, &at.rest.forces),
         forces: at.rest.forces.clone(),
-        shape: padded(at.shape),
+        shape: with_stops(at.shape, &felt.forces),
     })
 }
 
@@ -170,7 +179,7 @@ fn modal_damping(structure: &ModalStructure, shape: &[f64]) -> f64 {
 fn compliance_at(structure: &ModalStructure, contact: usize, omega_squared: f64) -> f64 {
     let elastic = (0..structure.n_moving()).filter(|&k| structure.omega_squared()[k] > RIGID * omega_squared);
     let modal = elastic.map(|k| structure.rows()[(contact, k)].powi(2) / structure.omega_squared()[k]).sum::<f64>();
-    structure.compliance().a()[(contact, contact)] + modal
+    structure.static_compliance(contact, contact) + modal
 }
 
 pub(crate) fn unless_touching(structure: &ModalStructure, start: Grazing) -> Result<Grazing, HbmError> {
