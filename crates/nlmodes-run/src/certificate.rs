@@ -339,11 +339,11 @@ fn few_points(computed: &ComputedBranch) -> Vec<usize> {
     few
 }
 
-/// A relative change as one reads it: `13 %`, `0.86 %`, `3e-7`.
+/// A relative change as one reads it: `13 %`, `0.86 %`, `3e-5 %`.
 pub(crate) fn share(value: f64) -> String {
     match 100.0 * value {
         0.0 => "0".to_owned(),
-        percent if percent < 0.01 => format!("{value:.0e}"),
+        percent if percent < 0.01 => format!("{percent:.0e} %"),
         percent if percent < 1.0 => format!("{percent:.2} %"),
         percent if percent < 10.0 => format!("{percent:.1} %"),
         percent => format!("{percent:.0} %"),

@@ -244,7 +244,7 @@ impl Compared {
         self.solved - self.lost.len()
     }
 
-    /// The largest change of each number.
+    /// The largest change of each number; none where most of the points have no motion to compare with.
     pub fn checks(
         self,
         (name, how, source): (&'static str, &'static str, ErrorSource),
@@ -256,7 +256,9 @@ impl Compared {
         let words = words(solved, &said);
         let of = |(number, worst): (Number, Worst)| match worst.all.len() {
             0 if lost.is_empty() => Check::missing(name, Some(number), UNTOUCHED, TOUCHING),
-            0 => Check::missing(name, Some(number), not_found(&lost), how).without(&lost),
+            n if n == 0 || found < lost.len() => {
+                Check::missing(name, Some(number), not_found(&lost), how).without(&lost)
+            }
             n => {
                 let words = match found - n {
                     0 => words.clone(),

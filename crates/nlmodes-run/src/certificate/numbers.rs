@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use nlmodes_scene::scene::Requirement;
 use serde::{Serialize, Serializer};
 
+use super::finer::UNTOUCHED;
 use super::{Check, CheckOutcome, Place, margin, share};
 
 /// A number of the results, or several with a common error.
@@ -182,7 +183,8 @@ pub(super) fn all(errors: &[NumberError]) -> String {
     let one = |group: &[NumberError]| match &group[0] {
         first if first.estimate.is_none() => {
             let names: Vec<&str> = group.iter().map(|error| error.number.meaning()).collect();
-            format!("{} not known, {}", names.join(", "), first.why)
+            let are = if first.why == UNTOUCHED { "have none of harmonics" } else { "not known" };
+            format!("{} {are}, {}", names.join(", "), first.why)
         }
         first => {
             let texts: Vec<String> = group.iter().map(NumberError::text).collect();

@@ -296,3 +296,17 @@ fn changes_are_said_in_per_cent_as_far_as_that_is_read() {
     let said = [0.0, 1e-8, 8.6e-4, 6.7e-3, 2.6e-2, 0.128, 3.0].map(share);
     assert_eq!(said, ["0", "1e-8", "0.09 %", "0.67 %", "2.6 %", "13 %", "300 %"]);
 }
+
+#[test]
+fn a_few_points_that_have_a_motion_to_compare_with_do_not_stand_for_the_others() {
+    let place = |point: usize| Place { point, frequency_hz: 20.0, energy_j: None };
+    let source = ErrorSource { kind: SourceKind::Harmonics, name: "7 harmonics".to_owned(), command: String::new() };
+    let checks = |found: usize, lost: usize| {
+        let mut compared = finer::Compared::default();
+        (0..found).for_each(|k| compared.take(place(k), Some([Some(1e-6); 4])));
+        (found..found + lost).for_each(|k| compared.take(place(k), None));
+        compared.checks(("harmonics", "", source.clone()), |_, _| String::new())
+    };
+    assert!(checks(1, 9).iter().all(|check| check.value.is_none() && check.words.contains("no motion")));
+    assert!(checks(5, 5).iter().all(|check| check.value == Some(1e-6)));
+}
