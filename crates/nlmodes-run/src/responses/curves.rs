@@ -294,8 +294,11 @@ fn curve(
     settings: &ResponseSettings,
 ) -> Result<Vec<Followed>, ResponseError> {
     let level = job.level.unwrap_or(0.0);
-    let given = scene.continuation.frequency_hz.is_some() || !job.wanted.frequency_hz.is_empty();
-    let energy = scene.continuation.max_energy_ratio.unwrap_or(if given { BEYOND } else { ENERGY });
+    let limit = match job.wanted.frequency_hz.is_empty() {
+        true => scene.max_energy_ratio(),
+        false => scene.continuation.max_energy_ratio,
+    };
+    let energy = limit.unwrap_or(BEYOND);
     let curve = match job.wanted.kind {
         ResponseKind::DampedMode => damped_mode(system, energy, settings),
         ResponseKind::Mode | ResponseKind::Appropriation => conservative_mode(system, energy, settings),
@@ -415,8 +418,7 @@ fn not_followed(curve: &ResponseCurve, job: &Job<'_>, scene: &Scene) -> String {
     format!("; at {points} other motions begin: {follows}")
 }
 
-/// Largest energy of a mode over that at grazing where the scene says no end at all, and where it has a window.
-const ENERGY: f64 = 100.0;
+/// Largest energy of a mode over that at grazing where it ends at a frequency.
 const BEYOND: f64 = 1e6;
 
 /// Window about the mode where the scene has none.

@@ -19,8 +19,9 @@ pub fn changes(
     settings: &ResponseSettings,
     system: &ResponseModel,
 ) -> Result<(Option<Watched>, Vec<StructureChange>), ResponseError> {
+    let watched = first(model).map(|weights| system.watched(&weights, settings)).transpose()?.flatten();
     if model.parameters.is_empty() {
-        return Ok((None, Vec::new()));
+        return Ok((watched, Vec::new()));
     }
     let levels = |scene: &Scene| scene.responses.get(response).map(|own| own.levels.clone());
     let number = level.and_then(|level| levels(scene)?.iter().position(|l| *l == level));
@@ -39,7 +40,6 @@ pub fn changes(
         system.change(&states, settings)
     };
     let changes = model.parameters.iter().map(change).collect::<Result<_, _>>()?;
-    let watched = first(model).map(|weights| system.watched(&weights, settings)).transpose()?.flatten();
     Ok((watched, changes))
 }
 

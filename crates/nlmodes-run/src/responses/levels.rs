@@ -18,6 +18,8 @@ pub struct Level {
     response: usize,
     /// The level, in the unit of the load.
     level: f64,
+    /// Share of the points of which stability is known.
+    stability_known: f64,
     /// Lowest and highest frequency of each stable segment, Hz, in the order of the curves.
     stable: Vec<[f64; 2]>,
     /// Where a sweep leaves a stable segment at a fold, in the order of the frequencies.
@@ -26,6 +28,8 @@ pub struct Level {
     losses: Vec<Loss>,
     /// The largest amplitude; where there is none, the largest contact force.
     peak: Option<Peak>,
+    /// The largest contact force; none where nothing touches.
+    largest_force: Option<LargestForce>,
     /// What unstable motions become, in the order of the curves: of `run --certify`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) unstable: Vec<Unstable>,
@@ -88,6 +92,16 @@ struct Peak {
     stable: Option<bool>,
 }
 
+/// The point with the largest contact force.
+#[derive(Debug, Serialize)]
+struct LargestForce {
+    frequency_hz: f64,
+    force_n: f64,
+    /// Change of the force with twice as many harmonics, relative; none where that was not computed.
+    force_error: Option<f64>,
+    stable: Option<bool>,
+}
+
 /// Stable points of a curve one after the other, with the fold or the loss of stability at each end.
 struct Segment<'a> {
     of: &'a ComputedResponse,
@@ -110,6 +124,9 @@ struct Lost {
 /// Points beyond a stable one within which the fold that ends its segment is looked for at least, and points of unknown
 /// stability that end no segment.
 const NEAR: usize = 2;
+
+/// Share of the points with known stability below which stable segments and jumps may be missing.
+const MOST: f64 = 0.95;
 
 /// Shortest segment that counts, over its frequency.
 const SHORTEST: f64 = 1e-6;
@@ -139,17 +156,19 @@ pub fn all(curves: &[ComputedResponse], sweeps: &[Sweep]) -> Vec<Level> {
 pub fn table(levels: &[Level], unit: &str) -> DataTable {
     let level = format!("level, {unit}");
     let head =
-        [level.as_str(), "largest amplitude", "at, Hz", "largest contact force there, N", "stable, Hz", "a sweep"];
+        [level.as_str(), "largest amplitude", "at, Hz", "largest contact force", "at, Hz", "stable, Hz", "a sweep"];
     let mut table = DataTable::new("Levels: peaks, stable ranges, jumps", &head);
     for level in levels {
-        let peak = level.peak.as_ref();
-        let of = |what: &dyn Fn(&Peak) -> String| peak.map_or_else(|| "–".to_owned(), what);
+        let none = || "–".to_owned();
+        let of = |what: &dyn Fn(&Peak) -> String| level.peak.as_ref().map_or_else(none, what);
+        let force = |what: &dyn Fn(&LargestForce) -> String| level.largest_force.as_ref().map_or_else(none, what);
         let sweep: Vec<String> = level.sweep();
         table.rows.push(vec![
             short(level.level),
             of(&|peak| format!("{}{}", length(peak.amplitude_m), within(peak.amplitude_error))),
             of(&|peak| short(peak.frequency_hz)),
-            of(&|peak| short(peak.peak_contact_force_n)),
+            force(&LargestForce::text),
+            force(&|largest| short(largest.frequency_hz)),
             level.stable_text(),
             if sweep.is_empty() { "–".to_owned() } else { sweep.join("; ") },
         ]);
@@ -189,6 +208,13 @@ impl Jump {
     }
 }
 
+impl LargestForce {
+    /// `5.12 N ± 0.1 %`.
+    fn text(&self) -> String {
+        format!("{} N{}", significant(self.force_n, 4), within(self.force_error))
+    }
+}
+
 impl Level {
     fn of(response: usize, level: f64, curves: &[&ComputedResponse]) -> Self {
         let mut segments: Vec<Segment<'_>> = curves.iter().flat_map(|computed| Segment::all(computed)).collect();
@@ -207,19 +233,33 @@ impl Level {
         jumps.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
         let mut losses: Vec<Loss> = segments.iter().flat_map(Segment::losses).collect();
         losses.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
-        let each = curves.iter().flat_map(|of| of.branch.points.iter().enumerate().map(move |point| (*of, point)));
-        let largest = each.max_by(|(_, (_, a)), (_, (_, b))| {
-            let forces = || a.peak_contact_force.total_cmp(&b.peak_contact_force);
-            size(a).total_cmp(&size(b)).then_with(forces)
+        let largest = |quantity: fn(&ModalPoint) -> f64| {
+            let each = curves.iter().flat_map(|of| of.branch.points.iter().enumerate().map(move |point| (*of, point)));
+            each.max_by(|(_, (_, a)), (_, (_, b))| quantity(a).total_cmp(&quantity(b)))
+        };
+        let is_stable = |point: &ModalPoint| point.stability.and_then(|stability| stability.stable);
+        let (mut known, mut points) = (0_u32, 0_u32);
+        for point in curves.iter().flat_map(|of| &of.branch.points) {
+            known += u32::from(is_stable(point).is_some());
+            points += 1;
+        }
+        let stability_known = f64::from(known) / f64::from(points.max(1));
+        let force: fn(&ModalPoint) -> f64 = |point| point.peak_contact_force;
+        let largest_force = largest(force).filter(|(_, (_, point))| point.peak_contact_force > 0.0);
+        let largest_force = largest_force.map(|(of, (k, point))| LargestForce {
+            frequency_hz: frequency(point),
+            force_n: point.peak_contact_force,
+            force_error: change(of, k, force),
+            stable: is_stable(point),
         });
-        let peak = largest.map(|(of, (k, point))| Peak {
+        let peak = largest(size).map(|(of, (k, point))| Peak {
             frequency_hz: frequency(point),
             amplitude_m: size(point),
             amplitude_error: change(of, k, size),
             peak_contact_force_n: point.peak_contact_force,
-            stable: point.stability.and_then(|stability| stability.stable),
+            stable: is_stable(point),
         });
-        Self { response, level, stable, jumps, losses, peak, unstable: Vec::new() }
+        Self { response, level, stability_known, stable, jumps, losses, peak, largest_force, unstable: Vec::new() }
     }
 
     /// Whether a curve is one of this level.
@@ -229,25 +269,41 @@ impl Level {
 
     /// The level in some lines: its peak, the stable ranges, and what a sweep meets. `unit` is that of the load.
     pub fn text(&self, unit: &str) -> String {
+        format!("{} {unit}: {}", short(self.level), self.lines().join("\n    "))
+    }
+
+    /// The same in one line.
+    pub fn in_a_line(&self, unit: &str) -> String {
+        format!("{} {unit}: {}", short(self.level), self.lines().join("; "))
+    }
+
+    fn lines(&self) -> Vec<String> {
         let mut lines = Vec::new();
         if let Some(peak) = &self.peak {
-            let force = match peak.peak_contact_force_n {
-                force if force > 0.0 => format!(", contact force there up to {} N", significant(force, 4)),
-                _ => String::new(),
-            };
-            let stable = if peak.stable == Some(false) { ", unstable" } else { "" };
             let (amplitude, error) = (length(peak.amplitude_m), within(peak.amplitude_error));
             let what = match peak.amplitude_m {
                 0.0 => "the first contact is at rest".to_owned(),
                 _ => format!("largest amplitude {amplitude}{error}"),
             };
-            lines.push(format!("{what} at {} Hz{force}{stable}", short(peak.frequency_hz)));
+            let place = |hz: f64, stable: Option<bool>| {
+                format!("at {} Hz{}", short(hz), if stable == Some(false) { ", unstable" } else { "" })
+            };
+            let force = self.largest_force.as_ref().map_or_else(String::new, |largest| {
+                format!("; largest contact force {} {}", largest.text(), place(largest.frequency_hz, largest.stable))
+            });
+            lines.push(format!("{what} {}{force}", place(peak.frequency_hz, peak.stable)));
         }
         if !self.stable.is_empty() {
             lines.push(format!("stable from {}", self.stable_text()));
+            if self.stability_known < MOST {
+                let (known, key) = (share(self.stability_known), "output.stability_budget_s");
+                lines.push(format!(
+                    "stability is known at {known} of the points only: elsewhere no jump is seen ({key})"
+                ));
+            }
         }
         lines.extend(self.sweep());
-        format!("{} {unit}: {}", short(self.level), lines.join("\n    "))
+        lines
     }
 
     /// `39 to 41.2 and 43.5 to 50 Hz`.

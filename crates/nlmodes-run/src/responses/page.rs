@@ -39,6 +39,9 @@ pub struct Shown<'a> {
     pub period: Option<&'a Period>,
 }
 
+/// Levels at most that are on the head of the page; all of them are in a table.
+const ON_THE_HEAD: usize = 4;
+
 /// Writes the page.
 pub fn write(
     directory: &Path,
@@ -52,7 +55,9 @@ pub fn write(
     let content = Content {
         title: &scene.title,
         held: each.first().map_or_else(Vec::new, |first| held_ends(scene, first.branch())),
-        lines: vec![format!("Damped and forced motions; {harmonics} harmonics, {modes} modes")],
+        lines: std::iter::once(format!("Damped and forced motions; {harmonics} harmonics, {modes} modes"))
+            .chain(shown.levels.iter().take(ON_THE_HEAD).map(|level| level.in_a_line(model.unit)))
+            .collect(),
         further_lines: shown.sentences.into_iter().chain(without).collect(),
         warnings: model.warnings.clone(),
         certified: vec![Certified { certificate: shown.certificate, name: None, curve: None }],

@@ -6,20 +6,24 @@ use nlmodes_hbm::Source;
 use crate::response::follow::{CONVERGED, Curve};
 use crate::response::{ResponseError, ResponsePoint};
 
-/// Section of an interval by which a maximum is narrowed down, and how often: to 1e-6 of the interval, where what a
-/// quantity misses of its maximum is 1e-12 of its change there.
-const GOLDEN: f64 = 0.618_033_988_749_894_9;
-const SECTIONS: usize = 29;
+/// Share of the longer part of an interval by which a maximum is narrowed down where parabolas do not.
+const SECTION: f64 = 0.381_966_011_250_105_1;
+
+/// How closely a maximum is located, over the distance of two points: what a quantity misses of its maximum is 1e-12 of
+/// its change there. In this many steps at most.
+const CLOSE: f64 = 1e-6;
+const STEPS: usize = 40;
 
 /// A quantity of a point of which the largest value is located.
 type Quantity<'a> = &'a dyn Fn(&ResponsePoint) -> f64;
 
 impl Curve<'_> {
-    /// Puts a point where the amplitude of the watched displacement is largest, and one where the contact force is:
-    /// what a parameter does to a maximum is its derivative at constant frequency there, and only there.
+    /// Puts a point where the amplitude of the watched displacement is largest, and one where the contact force is, on a
+    /// curve over the frequency. What a parameter does to a maximum is its derivative at constant frequency there, and
+    /// only there.
     pub fn locate_peaks(&mut self, points: Vec<ResponsePoint>) -> Result<Vec<ResponsePoint>, ResponseError> {
         let is_over_frequency = matches!(self.system.closing().omega, Source::Parameter { .. });
-        if self.settings.gradients.changes.is_empty() || !is_over_frequency {
+        if !is_over_frequency {
             return Ok(points);
         }
         let force = |point: &ResponsePoint| point.motion.contacts.iter().map(|c| c.peak_force).fold(0.0, f64::max);
@@ -45,35 +49,70 @@ impl Curve<'_> {
             z
         });
         let at = |t: f64| between(&beside, t);
-        let value = |curve: &mut Self, t: f64| -> Result<f64, ResponseError> {
+        let value = |curve: &mut Self, t: f64| {
             let found = curve.near_across(&at(t))?;
             Ok(if found.residual > CONVERGED { f64::NEG_INFINITY } else { of(&found) })
         };
-        let (mut low, mut high) = (0.0, 2.0);
-        let inner = |low: f64, high: f64| [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
-        let [mut a, mut b] = inner(low, high);
-        let (mut of_a, mut of_b) = (value(self, a)?, value(self, b)?);
-        for _ in 0..SECTIONS {
-            if self.settings.watch.asks_to_end() {
-                return Ok(points);
-            }
-            if of_a > of_b {
-                (high, b, of_b) = (b, a, of_a);
-                a = inner(low, high)[0];
-                of_a = value(self, a)?;
-            } else {
-                (low, a, of_a) = (a, b, of_b);
-                b = inner(low, high)[1];
-                of_b = value(self, b)?;
-            }
-        }
-        let t = 0.5 * (low + high);
+        let ends = [0.0, 2.0].map(|t| (t, of(&points[k + t as usize - 1])));
+        let Some(t) = self.largest(ends, (1.0, of(&points[k])), &value)? else { return Ok(points) };
         let found = self.point_across(&at(t))?;
         if found.residual <= CONVERGED && of(&found) >= of(&points[k]) {
             points.insert(if t < 1.0 { k } else { k + 1 }, found);
         }
         Ok(points)
     }
+
+    /// Where a quantity is largest between two ends with a larger value between them, by Brent's method: parabolas
+    /// through the three largest values, sections where those do not narrow it down. `None` if it was cut off.
+    fn largest(
+        &mut self,
+        [mut low, mut high]: [(f64, f64); 2],
+        mut best: (f64, f64),
+        value: &dyn Fn(&mut Self, f64) -> Result<f64, ResponseError>,
+    ) -> Result<Option<f64>, ResponseError> {
+        let (mut second, mut third) = if low.1 > high.1 { (low, high) } else { (high, low) };
+        let (mut step, mut before) = (high.0 - low.0, high.0 - low.0);
+        for _ in 0..STEPS {
+            let middle = 0.5 * (low.0 + high.0);
+            if (best.0 - middle).abs() + 0.5 * (high.0 - low.0) <= 2.0 * CLOSE {
+                break;
+            }
+            if self.settings.watch.asks_to_end() {
+                return Ok(None);
+            }
+            let by = vertex(best, second, third);
+            let narrows = by.abs() < 0.5 * before.abs() && low.0 < best.0 + by && best.0 + by < high.0;
+            (before, step) = if narrows {
+                (step, by)
+            } else {
+                let longer = if best.0 < middle { high.0 - best.0 } else { low.0 - best.0 };
+                (longer, SECTION * longer)
+            };
+            let t = best.0 + step.abs().max(CLOSE).copysign(step);
+            let found = (t, value(self, t)?);
+            let (better, worse) = if found.1 >= best.1 { (found, best) } else { (best, found) };
+            if worse.0 < better.0 {
+                low = worse;
+            } else {
+                high = worse;
+            }
+            if found.1 >= best.1 {
+                (third, second, best) = (second, best, found);
+            } else if found.1 >= second.1 {
+                (third, second) = (second, found);
+            } else if found.1 >= third.1 {
+                third = found;
+            }
+        }
+        Ok(Some(best.0))
+    }
+}
+
+/// How far the vertex of the parabola through three values is from the first of them.
+fn vertex(first: (f64, f64), second: (f64, f64), third: (f64, f64)) -> f64 {
+    let of = |other: (f64, f64)| (other.0 - first.0, other.1 - first.1);
+    let [(a, of_a), (b, of_b)] = [of(second), of(third)];
+    0.5 * (a * a * of_b - b * b * of_a) / (a * of_b - b * of_a)
 }
 
 /// A guess between three points, from 0 at the first to 2 at the last one.

@@ -77,7 +77,7 @@ fn a_run_reports_where_a_sweep_jumps() -> Outcome {
     let text = String::from_utf8(output.stdout)?;
     let mut lines = text.lines().skip_while(|line| !line.starts_with("0.2 N: largest amplitude "));
     let level: Vec<&str> = lines.by_ref().take(4).collect();
-    assert!(level.len() == 4 && level[0].contains(", contact force there up to "), "{text}");
+    assert!(level.len() == 4 && level[0].contains("; largest contact force "), "{text}");
     for part in ["    stable from 0.3 to ", "    a sweep up jumps at 0.", "    a sweep down jumps at 0."] {
         assert!(level.iter().any(|line| line.starts_with(part)), "{part}: {text}");
     }
@@ -142,5 +142,30 @@ fn undecided_points_beside_a_fold_do_not_hide_its_jump() -> Outcome {
     let events: Vec<f64> = events.map(|row| number(row, "frequency_hz")).collect();
     let is_an_event = |at: &f64| events.iter().any(|event| (event / at - 1.0).abs() < 1e-12);
     assert!(!located.is_empty() && located.iter().all(is_an_event), "{located:?} {events:?}");
+    Ok(())
+}
+
+/// The largest amplitude of an oscillator that does not touch is that of its closed form, `F/(2 D k √(1 − D²))` at
+/// `ω √(1 − 2 D²)`.
+#[test]
+fn the_peak_of_a_linear_response_is_that_of_its_closed_form() -> Outcome {
+    let (ratio, force, omega): (f64, f64, f64) = (0.003, 1e-3, 10.0);
+    let text = format!(
+        "[structure]\nkind = \"reduced\"\nfrequencies_hz = [{:?}]\ncontact_rows = [[1.0]]\n\
+         residual_flexibility_m_n = [[0.0]]\n[[contact]]\nrow = 1\ngap_m = 1.0\nstiffness_n_m = 50.0\n\
+         [damping]\nratio = {ratio:?}\n[[force]]\nrow = 1\namplitude_n = {force:?}\n\
+         [[response]]\nkind = \"frequency\"\nfrequency_hz = [1.0, 2.2]\n",
+        omega / std::f64::consts::TAU
+    );
+    let folder = tempdir()?;
+    let output = run(folder.path(), &text, &[])?;
+    assert!(output.status.success(), "{}", said(&output));
+    let summary: Value = serde_json::from_str(&fs::read_to_string(folder.path().join("out/summary.json"))?)?;
+    let peak = &summary["levels"][0]["peak"];
+    let hz = omega * (1.0 - 2.0 * ratio * ratio).sqrt() / std::f64::consts::TAU;
+    let amplitude = force / (2.0 * ratio * omega * omega * (1.0 - ratio * ratio).sqrt());
+    assert!((f(&peak["frequency_hz"]) / hz - 1.0).abs() < 1e-7, "{peak} for {hz} Hz");
+    assert!((f(&peak["amplitude_m"]) / amplitude - 1.0).abs() < 1e-10, "{peak} for {amplitude} m");
+    assert!(summary["levels"][0]["largest_force"].is_null());
     Ok(())
 }
