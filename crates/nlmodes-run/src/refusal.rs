@@ -110,9 +110,8 @@ pub fn unless_branch(file: &SceneFile, open: Option<&OpenStructure>) -> Result<(
 pub fn unless_held_by_weight(file: &SceneFile, open: &OpenStructure) -> Result<(), RunError> {
     let (mode, unfelt) = (file.scene.method.mode, open.modes.unfelt_motions().len());
     let Some(state) = open.state.as_ref().filter(|state| state.is_carried() && mode <= unfelt) else { return Ok(()) };
-    let modes = if unfelt == 1 { "one rigid-body motion" } else { "rigid-body motions" };
-    let title =
-        format!("mode {mode} strains nothing: the structure has {modes} that no contact feels, which come first");
+    let first = if unfelt == 1 { "mode 1 is a rigid-body motion" } else { "the first modes are rigid-body motions" };
+    let title = format!("mode {mode} strains nothing: {first} that no contact feels");
     let closed = open.modes.closed_modes(&state.rest.closed).ok();
     let first = closed.and_then(|modes| modes.omega_squared.get(unfelt).copied());
     let expected = first.map_or_else(

@@ -145,7 +145,7 @@ fn rest(
     // No contact of open modes has mass: what the scene says of it has no effect.
     let rule = raw.method.mass_redistribution.filter(|_| !is_open);
     let written = RawMethod { mass_redistribution: rule, ..raw.method.with_harmonics(raw) };
-    let method = method::check(&written, raw, subject, &contacts, diagnostics).map(|method| match is_open {
+    let method = method::check((&written, is_open), raw, subject, &contacts, diagnostics).map(|method| match is_open {
         true => Method { mass_redistribution: MassRule::None, ..method },
         false => method,
     });
@@ -161,9 +161,7 @@ fn rest(
     }
     let reduction = reduction::check(raw, (default, &subject.places), diagnostics);
     let has_responses = raw.has_responses() || raw.transient.is_some();
-    let has_curves = raw.response.as_ref().is_some_and(|responses| !responses.is_empty());
-    let ends_elsewhere = has_curves || raw.transient.is_some();
-    continuation::check(&raw.continuation, ends_elsewhere, raw.has_laws(), diagnostics);
+    continuation::check(&raw.continuation, [raw.has_springs(), raw.has_laws()], diagnostics);
     let uniform = structure.as_ref().is_none_or(|s| s.straight().is_some_and(|s| s.segments.is_empty()));
     let updating = raw.updating.as_ref().map(|written| updating::checked(written, uniform, diagnostics));
     contact::dampers(&contacts, structure.as_ref(), has_responses, diagnostics);

@@ -51,7 +51,6 @@ impl Document {
             diagnostics.extend(set::apply(argument, root.get_mut(), &mut sources).err());
         }
         responses::listed(root.get_mut());
-        responses::of_transient(root.get_mut());
         let mut places = BTreeMap::new();
         index(root.get_ref(), "", &mut places);
         (Self { sources, places, spelled: BTreeMap::new() }, text.errors.is_empty().then_some(root))

@@ -79,6 +79,7 @@ pub struct RawAnalysis {
     #[serde(default)]
     pub method: RawMethod,
     /// Where the branch starts, where it ends, and what it does on the way
+    #[serde(default)]
     pub continuation: Continuation,
     /// Results of other runs or tests to be shown in figures and on the page beside those of the scene, each under a
     /// heading `[[overlay]]`
@@ -104,9 +105,14 @@ impl RawAnalysis {
         self
     }
 
+    /// Whether there are springs with a law of force.
+    pub fn has_springs(&self) -> bool {
+        self.spring.as_ref().is_some_and(|springs| !springs.is_empty())
+    }
+
     /// Whether there are springs or stops with a law of force.
     pub fn has_laws(&self) -> bool {
-        self.has_law_stops || self.spring.as_ref().is_some_and(|springs| !springs.is_empty())
+        self.has_law_stops || self.has_springs()
     }
 }
 
@@ -142,7 +148,7 @@ pub struct RawBodiesScene {
 /// A stop on one side of a node.
 #[derive(Debug, Deserialize, JsonSchema)]
 pub struct RawContact {
-    /// Position along the axis, measured from the start; must be a node of the mesh
+    /// Position along the axis, measured from the start; the mesh gets a node there
     #[schemars(extend("unit" = "m", "minimum" = 0.0))]
     pub at_m: f64,
     /// Direction of the motion that the stop limits

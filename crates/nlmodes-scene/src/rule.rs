@@ -203,7 +203,7 @@ impl<'a> Rule<'a> {
             (Kind::Array, _) => format!("a list of lists of numbers{unit}"),
             (_, Some(n)) => format!("{n} numbers in square brackets,{}{unit}", each(items)),
             (_, None) if self.limit("minItems").is_some() => {
-                format!("a list in square brackets, each {}{unit}", items.expected())
+                format!("a list of one or more in square brackets, each {}{unit}", items.expected())
             }
             (_, None) => format!("numbers in square brackets{}{unit}", each(items)),
         }

@@ -134,6 +134,12 @@ impl Scene {
         !self.springs.is_empty() || has_stops
     }
 
+    /// Averaged kinetic energy at which a mode ends, relative to that where it starts; none with a frequency window
+    /// alone.
+    pub fn max_energy_ratio(&self) -> Option<f64> {
+        self.continuation.energy_limit(!self.springs.is_empty())
+    }
+
     /// Whether nothing in it is nonlinear: no stop, and no spring with a law of force.
     pub fn is_linear(&self) -> bool {
         self.n_contact_tables() == 0 && self.springs.is_empty()

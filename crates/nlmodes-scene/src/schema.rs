@@ -60,8 +60,6 @@ pub fn whole_schema() -> Value {
     for table in ["method", "response"] {
         under_one_or_two_brackets(&mut schema["properties"][table]);
     }
-    let demands = schema["anyOf"].as_array_mut().into_iter().flatten();
-    demands.for_each(without_an_end);
     whole::published(schema)
 }
 
@@ -78,16 +76,6 @@ fn under_one_or_two_brackets(rule: &mut Value) {
         None => json!([written, { "type": "array", "minItems": 1, "items": written }]),
     };
     *rule = json!({ "description": written["description"], "anyOf": kinds });
-}
-
-/// A scene with responses, or of a motion in time, need not say where a branch ends.
-fn without_an_end(demand: &mut Value) {
-    let Some(required) = demand["required"].as_array_mut() else { return };
-    let before = required.len();
-    required.retain(|key| key != "continuation");
-    if required.len() < before {
-        demand["oneRequired"] = json!(["continuation", "response", "transient"]);
-    }
 }
 
 /// JSON schema of any tables.

@@ -317,6 +317,49 @@ fn gradients_of_sdnd122_are_those_of_its_closed_form() -> Outcome {
     Ok(())
 }
 
+/// The same oscillator as a rod of one element, `k = E A/L`, `m = ρ A L/3`: gradients by what it is made of.
+#[test]
+fn gradients_of_sdnd122_by_modulus_density_area_and_length_are_those_of_its_closed_form() -> Outcome {
+    let values = [
+        ("structure.material.youngs_modulus_pa", 40.0),
+        ("structure.material.density_kg_m3", 3.0),
+        ("structure.section.area_m2", 0.5),
+        ("structure.length_m", 2.0),
+    ];
+    let asked: String = values.iter().map(|(key, _)| format!("[[sensitivity]]\nkey = \"{key}\"\n")).collect();
+    let scene = "[structure]\nkind = \"rod\"\nlength_m = 2.0\nelements = 1\nstart = \"clamped\"\n\
+        material = { youngs_modulus_pa = 40.0, density_kg_m3 = 3.0 }\nsection = { area_m2 = 0.5 }\n\
+        [[contact]]\nat_m = 2.0\ndirection = \"axial\"\nside = \"positive\"\ngap_m = 0.01\nstiffness_n_m = 50.0\n\
+        [method]\nharmonics = 300\n[continuation]\nmax_energy_ratio = 12.0\n\
+        [output]\nstability = \"never\"\nfigures = false\npage = false\n";
+    let (folder, code, _, told) = call(&(scene.to_owned() + &asked), &["run", "scene.toml", "--quiet"])?;
+    assert_eq!(code, Some(0), "{told}");
+    let mut seen = 0;
+    for row in rows(&folder.path().join("out/branch.csv"))?.iter().filter(|row| row["energy_j"] > 5e-4) {
+        // The same motion in other units of force and time.
+        let at = |[e, rho, area, length]: [f64; 4]| {
+            let (stiffness, mass) = (e * area / length / 10.0, rho * area * length / 3.0);
+            (stiffness / mass).sqrt() * at_kinetic(0.01, 50.0 / stiffness, row["energy_j"] / stiffness)
+        };
+        let own = values.map(|(_, value)| value);
+        assert!((row["frequency_hz"] / at(own) - 1.0).abs() < 1e-9, "{} Hz for {}", row["frequency_hz"], at(own));
+        for (j, (key, value)) in values.iter().enumerate() {
+            let h = 2e-3 * value;
+            let moved = |by: f64| {
+                let mut all = own;
+                all[j] += by;
+                at(all)
+            };
+            let slope = (8.0 * (moved(h) - moved(-h)) - (moved(2.0 * h) - moved(-2.0 * h))) / (12.0 * h);
+            let error = (row[&format!("d_frequency_d_{key}")] - slope).abs() / (at(own) / value);
+            assert!(error < 1e-9, "{key} at {} J: {error:.1e}", row["energy_j"]);
+        }
+        seen += 1;
+    }
+    assert!(seen > 5, "{seen}");
+    Ok(())
+}
+
 #[test]
 fn phase_resonances_over_gap_level_and_modulus_are_those_of_single_runs() -> Outcome {
     // Up to where the second stop is met the level grows along the curve.

@@ -200,8 +200,8 @@ fn falls(error: ReductionError, key: &'static str, dofs: &[Dof]) -> StructureErr
         let largest = (0..motion.len().min(dofs.len())).max_by(|a, b| motion[*a].abs().total_cmp(&motion[*b].abs()));
         largest.map_or_else(String::new, |dof| {
             let Dof { node, kind, .. } = dofs[dof];
-            let sign = if motion[dof] < 0.0 { "-" } else { "+" };
-            format!("; node {node} goes farthest, to {sign}{}", kind.name())
+            let side = if motion[dof] < 0.0 { "negative" } else { "positive" };
+            format!("; node {node} goes farthest, toward {side} {}", kind.name())
         })
     };
     match error {

@@ -2,29 +2,20 @@ use crate::rule::number;
 use crate::scene::{AtBranchPoint, Continuation, FrequencyDirection, InternalResonance};
 use crate::{Diagnostic, Diagnostics};
 
-/// With `has_responses` it need not say where a branch ends: responses have levels and windows of their own;
-/// `has_laws` whether there are springs with a law.
-pub fn check(branch: &Continuation, has_responses: bool, has_laws: bool, diagnostics: &mut Diagnostics<'_>) {
+/// Where a branch starts and ends, of a structure with `[[spring]]`, or with any laws of force.
+pub fn check(branch: &Continuation, [has_springs, has_laws]: [bool; 2], diagnostics: &mut Diagnostics<'_>) {
     if let Some(window) = branch.frequency_hz {
         check_window(window, diagnostics);
         check_start(branch.start_frequency_hz, window, diagnostics);
     }
-    if branch.max_energy_ratio.is_none() && branch.frequency_hz.is_none() && !has_responses {
-        let diagnostic = Diagnostic::error("`continuation` does not say where the branch ends").help(
-            "max_energy_ratio = 20.0 ends it at 20 times the energy at grazing, frequency_hz = [50.0, 66.5] at a \
-             frequency",
-        );
-        let label = "expected `max_energy_ratio`, `frequency_hz` or both in this table";
-        diagnostics.put("continuation", diagnostic, label);
-    }
-    check_energy(branch, diagnostics);
+    check_energy(branch, has_springs, diagnostics);
     check_beginning(branch, has_laws, diagnostics);
     check_choices(branch, diagnostics);
 }
 
-fn check_energy(branch: &Continuation, diagnostics: &mut Diagnostics<'_>) {
+fn check_energy(branch: &Continuation, has_springs: bool, diagnostics: &mut Diagnostics<'_>) {
     let path = "continuation.start_energy_ratio";
-    let (Some(ratio), Some(max)) = (branch.start_energy_ratio, branch.max_energy_ratio) else { return };
+    let (Some(ratio), Some(max)) = (branch.start_energy_ratio, branch.energy_limit(has_springs)) else { return };
     if ratio > max {
         let diagnostic = Diagnostic::error(format!("`{path}` is beyond the end of the branch"));
         let diagnostic = match diagnostics.document().place("continuation.max_energy_ratio") {

@@ -13,8 +13,9 @@ const MIN_DEFAULT_SAMPLES: usize = 256;
 /// Fewest harmonics that an accuracy chooses where the scene does not say.
 const FEWEST: usize = 2;
 
+/// The method of a structure whose contacts keep their mass in open modes, or lose it by a rule.
 pub fn check(
-    method: &RawMethod,
+    (method, is_open): (&RawMethod, bool),
     scene: &RawAnalysis,
     subject: &Subject<'_>,
     contacts: &[Contact],
@@ -27,11 +28,22 @@ pub fn check(
     let samples = samples(method, diagnostics);
     let accuracy = if kind == MethodKind::Shooting { None } else { accuracy(method, scene, diagnostics) };
     let mode = method.mode.map_or(1, |mode| mode as usize);
-    check_modes(mode, method.held_modes, modes(along, kind, mass_rule, contacts), diagnostics);
+    let count = |loses: &dyn Fn(&Contact) -> bool| along.map(|body| modes(body, contacts, loses));
+    // Nodes before stops with a law of force keep their mass in any case.
+    let keeps_mass = is_open || mass_rule == MassRule::None;
+    let available = count(&|contact| !keeps_mass && contact.hertz.is_none());
+    if is_open && count(&|contact| contact.hertz.is_none() && contact.stiffness.is_none()) == Some(0) {
+        nothing_left(
+            "are at rigid stops; take more `structure.elements`, or give a stop its `stiffness_n_m`",
+            diagnostics,
+        );
+        return None;
+    }
+    check_modes(mode, method.held_modes, available, diagnostics);
     if kind == MethodKind::Shooting {
         shooting::check(method, diagnostics);
         let is_rod = along.is_some_and(|body| body.raw.kind == StructureKind::Rod);
-        let all = modes(along, kind, mass_rule, contacts).map(|[_, held]| held).filter(|_| is_rod);
+        let all = available.filter(|_| is_rod);
         shooting::check_size(method.held_modes.map(|n| n as usize).or(all), diagnostics);
     }
     Some(Method {
@@ -185,33 +197,30 @@ fn samples(method: &RawMethod, diagnostics: &mut Diagnostics<'_>) -> Option<usiz
     Some(samples)
 }
 
-/// Number of linear modes of the structure, and of those with the contacts held, by springs in harmonic balance; `None`
-/// if the mesh is not known.
-fn modes(along: Option<&Body<'_>>, kind: MethodKind, mass_rule: MassRule, contacts: &[Contact]) -> Option<[usize; 2]> {
-    let Body { raw: structure, mesh } = along?;
+/// Number of linear modes of a structure some of whose contacts lose their mass.
+fn modes(body: &Body<'_>, contacts: &[Contact], loses: &dyn Fn(&Contact) -> bool) -> usize {
+    let Body { raw: structure, mesh } = body;
     let ends = [structure.start, structure.end.unwrap_or(Support::Free)];
     let dofs = free_dofs(structure.kind, mesh.elements(), ends);
-    // Nodes before stops with a law of force keep their mass.
-    let stops = contacts.iter().filter(|contact| contact.hertz.is_none());
+    let stops = contacts.iter().filter(|contact| loses(contact));
     let mut places: Vec<_> = stops.map(|contact| (contact.node, contact.direction.name())).collect();
     places.sort_unstable();
     places.dedup();
-    let held = dofs.saturating_sub(places.len());
-    let free = if mass_rule == MassRule::None { dofs } else { held };
-    Some([free, if kind == MethodKind::Hbm || mass_rule == MassRule::None { free } else { held }])
+    dofs.saturating_sub(places.len())
 }
 
-fn check_modes(mode: usize, held_modes: Option<u32>, available: Option<[usize; 2]>, diagnostics: &mut Diagnostics<'_>) {
-    let Some([modes, held]) = available else { return };
+/// That all nodes which the supports leave free are such.
+fn nothing_left(which: &str, diagnostics: &mut Diagnostics<'_>) {
+    let diagnostic = Diagnostic::error("nothing with mass is left to move");
+    let diagnostic = diagnostic.help(format!("all nodes that the supports leave free {which}"));
+    let path = "structure.elements";
+    diagnostics.put(path, diagnostic, format!("found {}", diagnostics.written(path)));
+}
+
+fn check_modes(mode: usize, held_modes: Option<u32>, available: Option<usize>, diagnostics: &mut Diagnostics<'_>) {
+    let Some(modes) = available else { return };
     if modes == 0 {
-        let diagnostic = Diagnostic::error("nothing with mass is left to move").help(
-            "the supports hold all nodes but those whose mass is taken away at a stop; take more `structure.elements`",
-        );
-        diagnostics.put(
-            "structure.elements",
-            diagnostic,
-            format!("found {}", diagnostics.written("structure.elements")),
-        );
+        nothing_left("lose their mass at a stop; take more `structure.elements`", diagnostics);
         return;
     }
     if mode > modes {
@@ -220,12 +229,12 @@ fn check_modes(mode: usize, held_modes: Option<u32>, available: Option<[usize; 2
             diagnostic.help("it has one for each degree of freedom with mass; more `structure.elements` give more");
         diagnostics.put("method.mode", diagnostic, format!("found {mode}, expected a whole number from 1 to {modes}"));
     }
-    if let Some(wanted) = held_modes.filter(|wanted| *wanted as usize > held) {
+    if let Some(wanted) = held_modes.filter(|wanted| *wanted as usize > modes) {
         let diagnostic = Diagnostic::error("`method.held_modes` is more than the structure has");
         diagnostics.put(
             "method.held_modes",
             diagnostic,
-            format!("found {wanted}, expected a whole number from 1 to {held}"),
+            format!("found {wanted}, expected a whole number from 1 to {modes}"),
         );
     }
 }

@@ -119,8 +119,8 @@ fn rigid_body(structure: &Structure, diagnostics: &mut Diagnostics<'_>) {
     };
     let is_loaded = ["gravity", "static_force"].into_iter().any(|key| diagnostics.has(key));
     let help = match is_loaded {
-        true => "under its static loads its contacts alone carry it; of its rigid-body motions only those that no \
-            contact feels are modes of 0 Hz, which come first"
+        true => "under its static loads its contacts alone carry it; its rigid-body motions that no contact feels \
+            are its first modes, of 0 Hz"
             .to_owned(),
         false => format!("{modes} at 0 Hz; method.mode = {} is the first that vibrates", left + 1),
     };

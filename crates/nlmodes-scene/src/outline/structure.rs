@@ -5,8 +5,8 @@ use crate::assemble::{OpenStructure, StaticState};
 use crate::number;
 use crate::rule::{counted, significant};
 use crate::scene::{
-    AtBranchPoint, Contact, Continuation, GroundSpring, Hertz, ImposedModes, InternalResonance, MethodKind, Scene,
-    Section, Segment, SpringDirection, Start, Structure, Updating,
+    AtBranchPoint, Contact, GroundSpring, Hertz, ImposedModes, InternalResonance, MethodKind, Scene, Section, Segment,
+    SpringDirection, Start, Structure, Updating,
 };
 
 /// Structure, stops, method, branch or responses.
@@ -38,7 +38,7 @@ pub fn rows(scene: &Scene, open: Option<&OpenStructure>, state: Option<&StaticSt
             (true, false) => "lift-off",
             _ => "grazing",
         };
-        rows.push(row("branch", branch(&scene.continuation, scene.method.mode, reference)));
+        rows.push(row("branch", branch(scene, reference)));
     }
     rows.extend(responses::rows(scene));
     rows.extend(transient::rows(scene));
@@ -211,7 +211,8 @@ fn method(scene: &Scene) -> String {
     )
 }
 
-fn branch(continuation: &Continuation, mode: usize, reference: &str) -> String {
+fn branch(scene: &Scene, reference: &str) -> String {
+    let (continuation, mode) = (&scene.continuation, scene.method.mode);
     let from = match continuation.start() {
         Start::Grazing => format!("from {reference}"),
         Start::Frequency { hz, direction } => format!("from {} Hz, {}", number(hz), direction.name()),
@@ -219,8 +220,7 @@ fn branch(continuation: &Continuation, mode: usize, reference: &str) -> String {
             format!("from {} times the {reference} energy, {}", number(ratio), direction.name())
         }
     };
-    let energy =
-        continuation.max_energy_ratio.map(|ratio| format!("to {} times the {reference} energy", number(ratio)));
+    let energy = scene.max_energy_ratio().map(|ratio| format!("to {} times the {reference} energy", number(ratio)));
     let window = continuation.frequency_hz.map(|[low, high]| format!("within {} to {} Hz", number(low), number(high)));
     let points = format!("at most {} points", continuation.max_points);
     let arms = match continuation.at_branch_point {

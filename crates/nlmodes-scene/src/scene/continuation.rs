@@ -6,7 +6,8 @@ use super::{AtBranchPoint, FrequencyDirection, InternalResonance};
 /// How far the branch is followed: to a limit of energy, of frequency, or whichever comes first.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Continuation {
-    /// Averaged kinetic energy at which the branch ends, relative to that at grazing
+    /// Averaged kinetic energy at which the branch ends, relative to that at grazing; default: no limit with a
+    /// frequency window, else 10, and 1e4 with `[[spring]]`, where modes start almost linear
     #[schemars(extend("exclusiveMinimum" = 1.0))]
     pub max_energy_ratio: Option<f64>,
     /// Frequency window [lowest, highest], where the branch ends
@@ -69,7 +70,22 @@ pub enum Start {
     },
 }
 
+/// Where modes end whose scene gives neither an energy nor a frequency window: about three times the amplitude that
+/// touches the stop.
+const ENERGY_RATIO: f64 = 10.0;
+
+/// The same of modes that start where springs hardly matter: a hundred times that amplitude, where a cubic spring
+/// matters as much as the structure.
+const ENERGY_RATIO_WITH_SPRINGS: f64 = 1e4;
+
 impl Continuation {
+    /// Averaged kinetic energy at which a mode ends, relative to that where it starts; none with a frequency window
+    /// alone. A structure with springs has the higher default.
+    pub fn energy_limit(&self, has_springs: bool) -> Option<f64> {
+        let default = if has_springs { ENERGY_RATIO_WITH_SPRINGS } else { ENERGY_RATIO };
+        self.max_energy_ratio.or(self.frequency_hz.is_none().then_some(default))
+    }
+
     /// Where the branch starts.
     pub fn start(&self) -> Start {
         let direction = self.direction;
@@ -77,6 +93,24 @@ impl Continuation {
             (Some(hz), _) => Start::Frequency { hz, direction },
             (None, Some(ratio)) => Start::Energy { ratio, direction },
             (None, None) => Start::Grazing,
+        }
+    }
+}
+
+impl Default for Continuation {
+    fn default() -> Self {
+        Self {
+            max_energy_ratio: None,
+            frequency_hz: None,
+            max_points: max_points(),
+            start_frequency_hz: None,
+            start_energy_ratio: None,
+            start_energy_j: None,
+            start_amplitude_m: None,
+            direction: FrequencyDirection::default(),
+            at_branch_point: AtBranchPoint::default(),
+            max_branches: max_branches(),
+            internal_resonance: InternalResonance::default(),
         }
     }
 }
