@@ -18,7 +18,8 @@ pub struct Arguments {
     #[arg(value_name = "PROBLEM.npz")]
     problem: PathBuf,
     /// Contact solver
-    #[arg(long, value_name = "NAME", default_value = SOLVER_NAMES[0], value_parser = PossibleValuesParser::new(SOLVER_NAMES))]
+    #[arg(long, value_name = "NAME", default_value = SOLVER_NAMES[0])]
+    #[arg(value_parser = PossibleValuesParser::new(SOLVER_NAMES))]
     contact_solver: String,
     /// NumPy archive for `lambda` (N) and `g` (m), both samples × c, and `violation` and `iterations` of each sample
     #[arg(long, value_name = "SOLUTION.npz")]

@@ -58,7 +58,7 @@ The script has the line for GNU parallel and that for HyperQueue too.")]
     #[command(after_help = "\
 Example:
   echo '{\"id\": 1, \"set\": {\"gap_m\": 1e-3}}' | nlmodes-cli study serve configs/gap_study.toml
-  {\"id\":1,\"status\":\"complete\",\"reason\":\"\",\"quantities\":{\"f_2\":46.1,\"largest_force_n\":61.2},\"case\":\"b0af6d14a3c51e02\"}
+  {\"id\":1,\"status\":\"complete\",\"reason\":\"\",\"quantities\":{\"f_2\":46.1},\"case\":\"b0af6d14a3c51e02\"}
 
 Names are those of the study's variables, or keys that `--set` takes. Answers come in the order in which they are \
     done. What is there is not computed again.")]

@@ -42,8 +42,8 @@ pub struct PatternInterval {
 ///
 /// ```text
 /// 0 ≤ λ_i(τ) ⊥ [A λ(τ) + y(τ)]_i ≥ 0 ,   y_i(τ) = Re Σ_n y_i,n e^{inτ} ,   n = 0 … H
-/// λ(τ) = Σ_S χ_S(τ) S y(τ)                       S = dλ/dy while one set of contacts is closed, χ_S its share of the period
-/// λ_n = 𝓕_n(λ) = Σ_S S 𝓕_n(χ_S y)                which is also dλ/dy: λ is continuous, so that the instants add nothing
+/// λ(τ) = Σ_S χ_S(τ) S y(τ)             S = dλ/dy while one set of contacts is closed, χ_S its share of the period
+/// λ_n = 𝓕_n(λ) = Σ_S S 𝓕_n(χ_S y)      which is also dλ/dy: λ is continuous, so that the instants add nothing
 /// ```
 ///
 /// `A` (c × c, m/N) is the compliance of body and stops. It needs nothing else of a structure, so conservative and

@@ -2,9 +2,9 @@
 //!
 //! ```text
 //! H_LL,n q_L,n + H_LN,n q_N,n = 0 ,   n = 0 … N_h                        linear degrees of freedom, in harmonics   (8)
-//! K_NN q_N(t) + K_NL q_L(t) = W̄ λ(t) ,   0 ≤ g(t) ⊥ λ(t) ≥ 0             massless contacts, at each instant  (11), (13)
-//! q_N,n = 𝓕_n(q_N(t))                                                     both are the same motion                 (14)
-//! E_av(ω, q) = E_0                                                        its averaged kinetic energy is given     (16)
+//! K_NN q_N(t) + K_NL q_L(t) = W̄ λ(t) ,   0 ≤ g(t) ⊥ λ(t) ≥ 0           massless contacts, at each instant  (11), (13)
+//! q_N,n = 𝓕_n(q_N(t))                                                   both are the same motion                 (14)
+//! E_av(ω, q) = E_0                                                      its averaged kinetic energy is given     (16)
 //! ```
 //!
 //! | symbol | meaning | unit | shape | item |

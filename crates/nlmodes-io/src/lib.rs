@@ -6,12 +6,13 @@
 //!
 //! | what | files | item |
 //! | --- | --- | --- |
-//! | matrices | CalculiX `.sti` and `.mas`; SciPy `.npz`; Matrix Market `.mtx`; Abaqus `MATRIX INPUT` and substructures, `.mtx`; MATLAB `.mat`, 5 to 7.3; Ansys `HBMAT`; Nastran DMIG | [`read_matrix`], [`Format`] |
+//! | matrices | of CalculiX, SciPy, Matrix Market, Abaqus, MATLAB, Ansys and Nastran: [`Format`] | [`read_matrix`] |
 //! | names of the rows | CalculiX `.dof`; Ansys `.mapping`; tables `row,node,component[,x,y,z]` | [`LabelTable`] |
-//! | lists and matrices of numbers without names of rows | NumPy `.npz` and `.npy`; text, commas or blanks between numbers | [`read_numbers`] |
+//! | numbers without names of rows | NumPy `.npz`, `.npy`; text with commas or blanks | [`read_numbers`] |
 //! | meshes | `.inp` of CalculiX and Abaqus; Gmsh `.msh` 4.1 and 2.2 as text; bulk data of Nastran | [`Mesh`] |
 //! | all of them together, in SI units | | [`FeModel`], [`FeFiles`], [`UnitSystem`] |
-//! | contacts of nodes with walls and with each other, as sparse directions `W` | pairs: `node_a,node_b[,nx,ny,nz,gap_m]` | [`find_contacts`], [`FeModel::contact_directions`] |
+//! | contacts of nodes with walls and each other | pairs: `node_a,node_b[,nx,ny,nz,gap_m]` | [`find_contacts`] |
+//! | their sparse directions `W` | | [`FeModel::contact_directions`] |
 //! | motions of the skin of a mesh | `.vtu` and `.pvd` | [`Surface`], [`Skin`] |
 //!
 //! Text files may be compressed with gzip. Matrices are streamed into their lower triangle: while a file is read,

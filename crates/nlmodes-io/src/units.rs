@@ -11,7 +11,8 @@ use crate::Component;
 /// joules. So
 ///
 /// ```text
-/// K_SI = M L²/T² K / (l_i l_j) ,  M_SI = M L² M / (l_i l_j) ,  l = L for displacements, 1 for rotations and generalised coordinates
+/// K_SI = M L²/T² K / (l_i l_j) ,  M_SI = M L² M / (l_i l_j)
+/// l = L for displacements, 1 for rotations and generalised coordinates
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -286,7 +286,9 @@ mod tests {
     proptest! {
         /// Small integers, so that sums are exact; rows of other matrices in between are unchanged.
         #[test]
-        fn products_by_blocks_and_by_rows_are_the_sums(m in 1usize..40, k in 1usize..40, n in 1usize..40, apart in 0usize..5) {
+        fn products_by_blocks_and_by_rows_are_the_sums(
+            m in 1usize..40, k in 1usize..40, n in 1usize..40, apart in 0usize..5,
+        ) {
             let stride = n + apart;
             let number = |i: usize| (i * 7919 % 13) as f64 - 6.0;
             let a: Vec<f64> = (0..m * k).map(number).collect();

@@ -7,9 +7,9 @@
 //! | `A x = b`, A sparse | `P A Q = L U` | n × n | [`SparseLu`] |
 //! | `A x = b`, A sparse, symmetric positive definite | `P A Pᵀ = L Lᵀ` | n × n | [`SparseCholesky`] |
 //! | its elimination order, memory and work in advance | `P` | n × n | [`CholeskyPlan`] |
-//! | `K φ = λ M φ`, lowest λ, M symmetric positive semidefinite | λ in rad²/s² | n × n, φ: n × modes | [`lowest_modes`] |
+//! | `K φ = λ M φ`, lowest λ, M positive semidefinite | λ in rad²/s² | n × n, φ: n × modes | [`lowest_modes`] |
 //! | the same with statics `K x = f`, factored once | `K + sM = L Lᵀ` | n × n | [`Pencil`] |
-//! | what the digits of `K` and `M` leave open of λ | σ_λ in rad²/s² | one a mode | [`Digits`], [`Written`], [`Openness`] |
+//! | what digits of `K`, `M` leave open of λ | σ_λ in rad²/s² | one a mode | [`Digits`], [`Written`], [`Openness`] |
 //! | `K z = 0` and `M z = 0` | `z` | n × motions | [`CommonMotions`] |
 //! | `A x = μ x`, A dense | μ complex | n × n | [`eigenvalues`] |
 //! | sums, products and parts of sparse matrices | | | [`sparse_from_triplets`], [`multiply`], [`select`] … |

@@ -22,7 +22,7 @@
 //! | `1/k_c` | compliance of a stop, zero for a rigid one | m/N | c | [`ContactLaw::compliance`] |
 //! | `ω_0,r`, `φ_r` | linear modes | rad/s, 1/√kg | r, n × r | [`linear_modes`], [`open_modes`], [`held_modes`] |
 //! | | effect of massless contacts on `ω_0,r` | – | | [`MassShift`] |
-//! | `ω'_k`, `K'` | imposed frequencies, stiffness with them | rad/s, N/m | k, n × n | [`StructuralModel::with_frequencies`] |
+//! | `ω'_k`, `K'` | imposed frequencies, stiffness | rad/s, N/m | k, n × n | [`StructuralModel::with_frequencies`] |
 //!
 //! ```
 //! use nlmodes_linalg::sparse_from_triplets;

@@ -35,7 +35,8 @@ pub enum ContactCoordinates {
 /// (2),
 ///
 /// ```text
-/// L: all degrees of freedom ,   K_LL = K + Σ_i k_c,i w_i w_iᵀ ,   K_LN: −k_c,i at the node of contact i ,   K_NN = diag(k_c,i) ,   C = 0
+/// L: all degrees of freedom ,   K_LL = K + Σ_i k_c,i w_i w_iᵀ
+/// K_LN: −k_c,i at the node of contact i ,   K_NN = diag(k_c,i) ,   C = 0
 /// ```
 ///
 /// The contact node is at the position that the tip would have without the wall, `q_N = −K_NN⁻¹ K_NL q_L`, so that `λ =

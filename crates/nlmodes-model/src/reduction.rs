@@ -17,7 +17,7 @@
 //! | `ω_r²` | squared open frequencies | rad²/s² | m | [`OpenModes::omega_squared`] |
 //! | `Y` | the modes as the gaps see them | 1/√kg | c × m | [`OpenModes::contact_rows`] |
 //! | `A` | residual flexibility | m/N | c × c | [`OpenModes::flexibility`] |
-//! | `g₀`, `C` | gaps at rest, compliance of the stops | m, m/N | c | [`OpenModes::gaps`], [`OpenModes::stop_compliance`] |
+//! | `g₀`, `C` | gaps at rest, stop compliance | m, m/N | c | [`OpenModes::gaps`], [`OpenModes::stop_compliance`] |
 //! | `Φᵀf`, `a` | a load | N/√kg, m | m, c | [`OpenModes::load`] |
 //! | | displacement at chosen places | | | [`OpenModes::rows`] |
 //! | `λ`, closed set | rest under preload and interference | N | c | [`OpenModes::rest`] |

@@ -6,7 +6,7 @@
 //!
 //! | item | writes | shows |
 //! | --- | --- | --- |
-//! | [`write_branch`], [`BranchWriter`] | `branch.csv` | one row per point: frequency, energies, amplitudes, contact, events |
+//! | [`write_branch`], [`BranchWriter`] | `branch.csv` | a row a point: frequency, energies, amplitudes, contact |
 //! | [`write_starts`] | `starts.npz` | initial displacements of exact motions |
 //! | [`write_contacts`] | `contacts.csv` | one row per point and stop: share, forces, impulse, number of contacts |
 //! | [`write_histories`] | `histories.npz` | motion and force of the contacts over a period |
@@ -20,7 +20,7 @@
 //! | [`HistoryFigure`] | SVG | displacement, velocity, contact force over time (Fig. 9) |
 //! | [`MeasuredFigure`] | SVG | measured damping and mode indicator over modal amplitude (Fig. 10) |
 //! | [`StiffnessFigure`] | SVG | contact force over displacement with the fitted stiffness (Fig. 7 b) |
-//! | [`HtmlReport`] | `report.html` | everything on one self-contained page: figures with zoom and hover, animated modes |
+//! | [`HtmlReport`] | `report.html` | everything on one self-contained page: figures with zoom, animated modes |
 //! | [`Page`] | HTML | the frame of such a page, for other contents |
 //! | `print`, with the feature of that name | PDF, PNG | figures in SVG for journals and slides |
 //! | [`TornadoFigure`] | SVG | what parameters do to a quantity, a bar each |

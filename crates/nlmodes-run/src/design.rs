@@ -168,10 +168,10 @@ pub fn design(file: &SceneFile<TestScene>, observer: &mut dyn Observer) -> Resul
         ranges: ranges(&levels),
         levels,
         held_by: "time integration of structure, stop, exciter, detector and controller at each level: a level counts \
-                  as held if lag, frequency, amplitude and single periods settle within virtual_test.schedule. |μ| is the \
-                  largest Floquet multiplier of all of them together, for a motion that is followed from level to \
-                  level: below 1 it is held, the smaller the faster. Other motions at the same level are not looked \
-                  for",
+                  as held if lag, frequency, amplitude and single periods settle within virtual_test.schedule. |μ| \
+                  is the largest Floquet multiplier of all of them together, for a motion that is followed from \
+                  level to level: below 1 it is held, the smaller the faster. Other motions at the same level are \
+                  not looked for",
         ended,
     })
 }

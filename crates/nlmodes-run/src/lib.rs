@@ -16,7 +16,7 @@
 //! | [`virtual_test::run`] | a rig with its loop, level by level |
 //! | [`compare::rows`] | the same branch with several contact solvers |
 //! | [`verify::verify`] | one period of the full structure from a computed point |
-//! | [`linear::linear_frequencies`], [`updating::updated`] | linear modes of a scene; parameters from measured frequencies |
+//! | [`linear::linear_frequencies`], [`updating::updated`] | linear modes; parameters from measured frequencies |
 //! | [`certificate::Certificate`] | verification report: checks of the numbers of a branch, and which not to use |
 //! | [`mass::warning_of`] | what the mass taken from contacts does to the linear mode |
 //! | [`overlay`] | results of other runs and tests laid over a branch, with the differences in numbers |

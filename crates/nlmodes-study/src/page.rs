@@ -24,7 +24,8 @@ pub fn page(study: &Study, collected: &Collected) -> String {
     let statistics = sections::statistics(&collected.statistics);
     let first_order = collected.first_order.as_ref().map_or_else(String::new, first_order::section);
     let body = format!(
-        r#"<noscript><p class="outcome early">Figures and table of this page are drawn by its script; the numbers are in study.csv too.</p></noscript>
+        r#"<noscript><p class="outcome early">Figures and table of this page are drawn by its script; the numbers are in
+study.csv too.</p></noscript>
 <section id="figures"></section>
 <section id="statistics"><h2>Spread and sensitivity</h2>
 {statistics}</section>

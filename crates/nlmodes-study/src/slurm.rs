@@ -111,8 +111,8 @@ impl ArrayJob {
             ["${SLURM_ARRAY_TASK_ID}", "{}", "${HQ_TASK_ID}"].map(|task| self.call(&format!("{task}/{shards}")));
         format!(
             r#"#!/bin/bash
-# Array job of a study: each task computes the cases of its shard that are not there yet. Submit it again, as a whole or in part
-# (sbatch --array=3,5), for what is missing; then:  {program} study collect {study}{out}
+# Array job of a study: each task computes the cases of its shard that are not there yet. Submit it again, as a whole or
+# in part (sbatch --array=3,5), for what is missing; then:  {program} study collect {study}{out}
 #SBATCH --job-name={name}
 #SBATCH --array=0-{last}
 #SBATCH --cpus-per-task={jobs}

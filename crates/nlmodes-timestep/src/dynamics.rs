@@ -31,7 +31,8 @@ pub(crate) const STRAINLESS: f64 = 1e-7;
 /// instant to contact instant.
 ///
 /// ```text
-/// M_LL q̈_L + (K_LL − K_LN K_NN⁻¹ K_NL) q_L = −K_LN K_NN⁻¹ W λ(q_L) ,   0 ≤ λ ⊥ A λ + Wᵀ b + g₀ ≥ 0 ,   b = −K_NN⁻¹ K_NL q_L
+/// M_LL q̈_L + (K_LL − K_LN K_NN⁻¹ K_NL) q_L = −K_LN K_NN⁻¹ W λ(q_L)
+/// 0 ≤ λ ⊥ A λ + Wᵀ b + g₀ ≥ 0 ,   b = −K_NN⁻¹ K_NL q_L
 /// ```
 ///
 /// The right-hand side is Lipschitz, and linear as long as the set of closed contacts does not change: the solution

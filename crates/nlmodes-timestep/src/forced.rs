@@ -29,8 +29,9 @@ use crate::TimestepError;
 /// A damped structure with stops under a periodic load, as a linear complementarity system in time.
 ///
 /// ```text
-/// z̈ + Ĉ ż + diag(ω_k²) z = Yᵀ λ + F Σ Re(p_n e^{inΩt}) ,   0 ≤ λ ⊥ A λ + y ≥ 0 ,   y = g₀ + Y z + s + F Σ Re(a_n e^{inΩt})
-/// d_i ṡ_i + k_i s_i = λ_i                                             the stops that dissipate, without mass; s_i = 0 for the others
+/// z̈ + Ĉ ż + diag(ω_k²) z = Yᵀ λ + F Σ Re(p_n e^{inΩt})
+/// 0 ≤ λ ⊥ A λ + y ≥ 0 ,   y = g₀ + Y z + s + F Σ Re(a_n e^{inΩt})
+/// d_i ṡ_i + k_i s_i = λ_i                the stops that dissipate, without mass; s_i = 0 for the others
 /// ```
 ///
 /// `Y` (c × m, 1/√kg) are the modes at the gaps, `A` (c × c, m/N) the flexibility at the contacts including that of

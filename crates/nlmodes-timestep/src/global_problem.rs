@@ -8,7 +8,8 @@ use crate::TimestepError;
 /// The contact forces of all samples of a period as one linear complementarity problem (end of Section 2.2).
 ///
 /// ```text
-/// K_NN q_N(t_j) − Σ_l K_NN 𝒯_jl q_N(t_l) = W λ(t_j) ,   𝒯_jl = (1/N_t) Re Σ_{n=0}^{N_h} c_n T_n e^{in(τ_j − τ_l)}     eqs. (8), (13), (14)
+/// K_NN q_N(t_j) − Σ_l K_NN 𝒯_jl q_N(t_l) = W λ(t_j)                      eqs. (8), (13), (14)
+/// 𝒯_jl = (1/N_t) Re Σ_{n=0}^{N_h} c_n T_n e^{in(τ_j − τ_l)}
 /// 0 ≤ λ ⊥ 𝒜 λ + g₀ ≥ 0                                                                                     eq. (11)
 /// ```
 ///

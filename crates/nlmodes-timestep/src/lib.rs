@@ -5,17 +5,17 @@
 //! ```text
 //! M_LL q̈_L + (K_LL − K_LN K_NN⁻¹ K_NL) q_L = −K_LN K_NN⁻¹ W λ          (8) in time, with q_N from (13)
 //! 0 ≤ λ ⊥ A λ + Wᵀ b + g₀ ≥ 0 ,   b = −K_NN⁻¹ K_NL q_L                  (11), (13)
-//! M_LL q̈_L + K_s q_L = f_s                                              while the set s of closed contacts stays the same
+//! M_LL q̈_L + K_s q_L = f_s                                          while the set s of closed contacts stays the same
 //! ```
 //!
 //! | symbol | meaning | unit | item |
 //! | --- | --- | --- | --- |
-//! | `z`, `ż` | modal coordinates of the structure with open contacts, and their rates | m·√kg, m·√kg/s | [`ModalState`] |
+//! | `z`, `ż` | modal coordinates with open contacts, and their rates | m·√kg, m·√kg/s | [`ModalState`] |
 //! | `λ(t)`, `q(t)` | contact forces, displacements at any instant | N, m | [`Trajectory::at`] |
 //! | `E` | kinetic and strain energy | J | [`Trajectory::energies`] |
 //! | `μ` | Floquet multipliers | 1 | [`Floquet`] |
-//! | `B`, `y` | basis of a reduction to fixed-interface modes with static correction, and its coordinates | 1/√kg, m·√kg | [`GalerkinReduction`] |
-//! | `x` | damped structure under a load, and its exact motion over one or several periods of the load | | [`ForcedStructure`], [`ForcedMotion`] |
+//! | `B`, `y` | fixed-interface modes, coordinates | 1/√kg, m·√kg | [`GalerkinReduction`] |
+//! | `x` | damped structure under a periodic load, its exact motion | | [`ForcedStructure`], [`ForcedMotion`] |
 //! | | nonlinear mode by shooting, with its modal quantities | | [`ModeShooting`] |
 //! | `𝒜` | contact problem of all samples at once | m/N | [`GlobalContactProblem`] |
 //!

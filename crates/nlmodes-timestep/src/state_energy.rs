@@ -13,7 +13,8 @@ use crate::dynamics::contact_body;
 /// degrees of freedom.
 ///
 /// ```text
-/// E = ½ q̇_Lᵀ M_LL q̇_L + ½ qᵀ K q + ½ λᵀ C λ ,   q_N = b + K_NN⁻¹ W λ ,   0 ≤ λ ⊥ A λ + Wᵀ b + g₀ ≥ 0 ,   b = −K_NN⁻¹ K_NL q_L
+/// E = ½ q̇_Lᵀ M_LL q̇_L + ½ qᵀ K q + ½ λᵀ C λ ,   q_N = b + K_NN⁻¹ W λ
+/// 0 ≤ λ ⊥ A λ + Wᵀ b + g₀ ≥ 0 ,   b = −K_NN⁻¹ K_NL q_L
 /// ```
 ///
 /// and `−fᵀ q` of a steady force `f`. Energies in J, displacements in m, velocities in m/s. No mode is computed,

@@ -1,7 +1,7 @@
 //! Nonlinear least squares of a few unknowns by the Gauss-Newton method.
 //!
 //! ```text
-//! min Σ r_i(x)² ,   JᵀJ s = −Jᵀr ,   x ← x + share · s     share by halves from that of the largest step until Σ r² falls
+//! min Σ r_i(x)² ,   JᵀJ s = −Jᵀr ,   x ← x + share · s   share by halves from the largest step until Σ r² falls
 //! ```
 
 use nlmodes_linalg::{LinalgError, Mat, symmetric_eigen};

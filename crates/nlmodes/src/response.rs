@@ -1,7 +1,7 @@
 //! Forced responses, phase resonance and damped nonlinear modes of structures behind one-sided stops, rigid or elastic.
 //!
 //! ```text
-//! η̈ + Ĉ η̇ + Ω² η = Yᵀ λ + p(t) ,   0 ≤ λ ⊥ (A + C) λ + g₀ + Y η + a(t) ≥ 0        in open modes, with residual flexibility
+//! η̈ + Ĉ η̇ + Ω² η = Yᵀ λ + p(t) ,   0 ≤ λ ⊥ (A + C) λ + g₀ + Y η + a(t) ≥ 0    in open modes, residual flexibility A
 //! ```
 //!
 //! | analysis | parameter | unknowns beside the motion | item |
@@ -30,8 +30,10 @@
 //! let m = sparse_from_triplets(2, 2, &[(0, 0, 1.0), (1, 1, 1.0)])?;
 //! let k = sparse_from_triplets(2, 2, &[(0, 0, 1.0), (0, 1, -1.0), (1, 0, -1.0), (1, 1, 2.0)])?;
 //! let dof = |node| Dof { node, position: node as f64, kind: DofKind::Axial };
-//! let stop = Contact { law: nlmodes_model::ContactLaw::Elastic { stiffness: 100.0 }, ..Contact::rigid(0, Side::Positive, 1.0) };
-//! let open = OpenModes::of_model(&StructuralModel::new(m, k, vec![dof(0), dof(1)], vec![stop])?, ModeCount::Lowest(2))?;
+//! let elastic = nlmodes_model::ContactLaw::Elastic { stiffness: 100.0 };
+//! let stop = Contact { law: elastic, ..Contact::rigid(0, Side::Positive, 1.0) };
+//! let model = StructuralModel::new(m, k, vec![dof(0), dof(1)], vec![stop])?;
+//! let open = OpenModes::of_model(&model, ModeCount::Lowest(2))?;
 //! let mut model = ResponseModel::new(open, &Damping::Rayleigh { mass: 0.0, stiffness: 0.03 })?;
 //! model.push_force(1, 1.0, 1, 0.0)?;
 //! model.set_drive(1)?;

@@ -31,7 +31,8 @@
 //! ```
 //! use nlmodes_experiment::phase_loop::{LevelSchedule, LoopSettings, Resonance, TestSettings};
 //! use nlmodes::rig::{
-//!     ControlChannels, DrivePoint, Exciter, LinearStructure, MotionQuantity, RigSetup, Sensor, SensorPlace, VirtualTest,
+//!     ControlChannels, DrivePoint, Exciter, LinearStructure, MotionQuantity, RigSetup, Sensor, SensorPlace,
+//!     VirtualTest,
 //! };
 //!
 //! // One mode at 40 Hz with 1 % damping, an ideal force, and a loop that starts 0.3 Hz too low.

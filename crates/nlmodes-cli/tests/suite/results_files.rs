@@ -120,7 +120,8 @@ fn stops_have_a_row_each_that_agrees_with_the_branch_and_with_their_histories() 
     let (head, rows) = table(&out.join("contacts.csv"))?;
     assert_eq!(
         head.join(","),
-        "point,contact,contact_fraction,peak_force_n,mean_force_n,impulse_ns,touches,approach_velocity_m_s,frequency_hz,\
+        "point,contact,contact_fraction,peak_force_n,mean_force_n,impulse_ns,touches,approach_velocity_m_s,\
+        frequency_hz,\
          wear_work_rate_w,sliding_path_m,friction_power_w"
     );
     let (_, branch) = table(&out.join("branch.csv"))?;

@@ -269,7 +269,9 @@ mod tests {
 
         #[test]
         fn a_periodic_signal_comes_back_from_any_length(
-            parts in prop::collection::vec((-1.0..1.0f64, -1.0..1.0f64), 2..9), periods in 1.3..7.0f64, step in 0.01..0.2f64
+            parts in prop::collection::vec((-1.0..1.0f64, -1.0..1.0f64), 2..9),
+            periods in 1.3..7.0f64,
+            step in 0.01..0.2f64
         ) {
             let n = (periods * std::f64::consts::TAU / step) as usize;
             let fit = HarmonicFit::new(parts.len() - 1, step, n).unwrap();

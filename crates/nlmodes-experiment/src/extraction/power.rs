@@ -27,8 +27,10 @@ impl ExcitationPower {
     ///
     /// ```
     /// use nlmodes_experiment::extraction::ExcitationPower;
+    /// use num_complex::Complex64;
     /// // Force cos θ, velocity cos θ + ½ cos 2θ.
-    /// let power = ExcitationPower::new(&[0.0.into(), 1.0.into(), 0.0.into()], &[0.0.into(), 1.0.into(), 0.5.into()], 2);
+    /// let [force, velocity] = [[0.0, 1.0, 0.0], [0.0, 1.0, 0.5]].map(|parts| parts.map(Complex64::from));
+    /// let power = ExcitationPower::new(&force, &velocity, 2);
     /// assert!((power.indicator() - 2.0 / 5.0_f64.sqrt()).abs() < 1e-15); // 0.894427
     /// ```
     pub fn new(force: &[Complex64], velocity: &[Complex64], harmonics: usize) -> Self {

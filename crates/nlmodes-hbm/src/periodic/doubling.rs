@@ -15,7 +15,8 @@ impl PeriodicSystem {
     /// period to period.
     ///
     /// ```text
-    /// M v = −v ,   δη(τ) = Re Σ_k δη_k e^{ikτ/2} ,   δη_k = (1/π) ∫_0^{2π} δη(τ) e^{−ikτ/2} dτ ,   k = 1, 3, 5 … `highest`
+    /// M v = −v ,   δη(τ) = Re Σ_k δη_k e^{ikτ/2} ,   k = 1, 3, 5 … `highest`
+    /// δη_k = (1/π) ∫_0^{2π} δη(τ) e^{−ikτ/2} dτ
     /// ```
     ///
     /// Modal coordinates (m) harmonic by harmonic of half the frequency, even ones zero; of size one.

@@ -38,7 +38,7 @@ impl Default for PeriodicSettings {
 /// ```text
 /// L_n x_n − G_n Pᵀ λ_n − load_n = 0 ,   n = 0 … N_h       the linear structure, harmonic by harmonic
 /// λ_n = 𝓕_n(λ(y(τ))) ,   y = g₀ + P x + a                 the contact operator
-/// closing equations                                        energy, phase, …, one for each unknown behind the coefficients
+/// closing equations                                     energy, phase, …, one for each unknown behind the coefficients
 /// ```
 ///
 /// `x` are the motions of the contacts (`P = I`) or modal coordinates (`P = Y`), [`Coordinates`]. Unknown vector:

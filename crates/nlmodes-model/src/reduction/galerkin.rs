@@ -15,7 +15,7 @@ const NOTHING: f64 = 1e-13;
 ///
 /// ```text
 /// q_L = B y ,   B = [φ_1 … φ_m, χ] ,   ÿ + Bᵀ K_LL B y + Bᵀ K_LN q_N = 0 ,   Bᵀ M_LL B = I
-/// K_NN q_N + K_NL B y = W λ                                                                       massless contacts (13)
+/// K_NN q_N + K_NL B y = W λ                                                                     massless contacts (13)
 /// ```
 ///
 /// `χ`, one column per contact coordinate, is the residual of the static shapes `Ψ = −K_LL⁻¹ K_LN` beyond the kept

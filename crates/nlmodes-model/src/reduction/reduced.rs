@@ -14,7 +14,7 @@ const RIGID: f64 = 1e-9;
 /// The reduced equations as a structure of their own.
 ///
 /// ```text
-/// x = (η, u) ,   u = −(Y η + A f)                  displacement of each direction toward its stop, f the force along it
+/// x = (η, u) ,   u = −(Y η + A f)                displacement of each direction toward its stop, f the force along it
 /// M = | 1  0 | ,   K = | Ω² + Yᵀ A⁻¹ Y   Yᵀ A⁻¹ |
 ///     | 0  0 |         |     A⁻¹ Y        A⁻¹   |
 /// ```

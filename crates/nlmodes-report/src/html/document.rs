@@ -134,8 +134,9 @@ mod tests {
 
     #[test]
     fn quantities_have_their_units_and_numbers_their_digits() {
-        let value = serde_json::json!({"youngs_modulus": 1.8136e11, "gap": 0.00103, "second_moment": 8e-9, "frequency_hz": [39.0, 50.5], "elements": 21,
-            "start": "clamped", "lag_deg": -90.0, "at": "grazing", "length": 0.6297552});
+        let value = serde_json::json!({"youngs_modulus": 1.8136e11, "gap": 0.00103, "second_moment": 8e-9,
+            "frequency_hz": [39.0, 50.5], "elements": 21, "start": "clamped", "lag_deg": -90.0, "at": "grazing",
+            "length": 0.6297552});
         let html = tree(&value);
         for wanted in [
             "<dt>youngs modulus</dt><dd>1.8136\u{2009}×\u{2009}10¹¹ Pa</dd>",

@@ -46,7 +46,8 @@ impl Page<'_> {
 <html lang="en">
 <head>
 <meta charset="utf-8"/>
-<meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'sha256-{allowed_style}'; script-src 'sha256-{allowed_script}'; base-uri 'none'; form-action 'none'"/>
+<meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'sha256-{allowed_style}';
+ script-src 'sha256-{allowed_script}'; base-uri 'none'; form-action 'none'"/>
 <meta name="viewport" content="width=device-width, initial-scale=1"/>
 <meta name="generator" content="nlmodes {version}"/>
 <title>{title}</title>

@@ -51,7 +51,8 @@ impl DataTable {
         let long = if rows.len() > LONG { " long" } else { "" };
         format!(
             "<section><h3>{title}</h3><div class=\"scroll{long}\" role=\"region\" tabindex=\"0\" \
-                aria-label=\"{title}\"><table><thead><tr>{head}</tr></thead>\n<tbody>\n{body}</tbody></table></div></section>\n"
+                aria-label=\"{title}\"><table><thead><tr>{head}</tr></thead>\n\
+                <tbody>\n{body}</tbody></table></div></section>\n"
         )
     }
 }

@@ -9,7 +9,8 @@ type Outcome = Result<(), Box<dyn Error>>;
 /// 90 × 60 mm, the right half red.
 fn halves(inside: &str) -> String {
     format!(
-        r#"<svg xmlns="http://www.w3.org/2000/svg" width="90mm" height="60mm" viewBox="0 0 720 480" font-family="Helvetica, sans-serif">
+        r#"<svg xmlns="http://www.w3.org/2000/svg" width="90mm" height="60mm" viewBox="0 0 720 480"
+        font-family="Helvetica, sans-serif">
 <rect x="360" y="0" width="360" height="480" fill="red"/>{inside}</svg>"#
     )
 }

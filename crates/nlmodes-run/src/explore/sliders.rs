@@ -36,7 +36,8 @@ impl Slider {
         };
         let [from, to] = self.ends;
         json!({
-            "key": self.key, "label": self.label, "unit": self.unit, "kind": kind, "choices": choices, "from": from, "to": to,
+            "key": self.key, "label": self.label, "unit": self.unit,
+            "kind": kind, "choices": choices, "from": from, "to": to,
             "value": self.value,
         })
     }

@@ -22,7 +22,8 @@ pub fn json(study: &Study, collected: &Collected) -> String {
     let data = json!({
         "columns": collected.table.columns.iter().map(column).collect::<Vec<_>>(),
         "links": ids.iter().map(link).collect::<Vec<_>>(),
-        "labels": study.quantities.iter().map(|quantity| (quantity.name.clone(), json!(quantity.label()))).collect::<Map<_, _>>(),
+        "labels": study.quantities.iter().map(|quantity| (quantity.name.clone(), json!(quantity.label())))
+            .collect::<Map<_, _>>(),
         "quantities": study.quantities.iter().map(|quantity| &quantity.name).collect::<Vec<_>>(),
         "variables": study.variables.iter().map(|variable| &variable.name).collect::<Vec<_>>(),
         "drawn": collected.drawn.iter().map(branch).collect::<Vec<_>>(),

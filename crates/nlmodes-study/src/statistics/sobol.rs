@@ -14,8 +14,8 @@ const FEWEST: usize = 4;
 pub struct SobolIndex {
     /// First-order index.
     pub first: f64,
-    /// Its standard error, by bootstrap over the blocks; smaller in fact for points of a Sobol' sequence. Of an expansion
-    /// the most that is missed by.
+    /// Its standard error, by bootstrap over the blocks, smaller in fact for points of a Sobol' sequence; or the bound
+    /// of an expansion.
     pub first_error: f64,
     /// Total index.
     pub total: f64,

@@ -12,7 +12,8 @@ use tempfile::tempdir;
 
 const HEADER: &str = "point,frequency_hz,energy_j,total_energy_j,modal_amplitude,fundamental_m,peak_m,contact_fraction,\
                       contact_intervals,peak_contact_force_n,residual,event,resonance,\
-                      stable,largest_multiplier,multiplier_angle_deg,harmonics,error_estimate,impulse_ns,stress_pa,stress_at";
+                      stable,largest_multiplier,multiplier_angle_deg,harmonics,error_estimate,impulse_ns,\
+                      stress_pa,stress_at";
 
 #[test]
 fn branch_reads_back_bit_for_bit() {

@@ -38,7 +38,8 @@ fn a_softer_test_is_called_so_with_its_difference_in_any_unit() {
         let own =
             laid(&format!("frequency_hz,modal_amplitude\n10.0,{:e}\n11.0,{:e}\n12.0,{:e}\n", 0.0, unit, 2.0 * unit));
         let test = laid(&format!(
-            "record,frequency_hz,modal_amplitude,peak_contact_force_n\na,10.29,{:e},5\nb,,,\nc,99,{:e},\nd,11.27,{:e},7\n",
+            "record,frequency_hz,modal_amplitude,peak_contact_force_n\n\
+             a,10.29,{:e},5\nb,,,\nc,99,{:e},\nd,11.27,{:e},7\n",
             0.5 * unit,
             9.0 * unit,
             1.5 * unit
