@@ -258,13 +258,14 @@ impl Certificate {
         commands.retain(|command| known.insert(*command));
         let smaller =
             if commands.is_empty() { String::new() } else { format!("; smaller with {}", commands.join(", ")) };
-        let points = match self.points.len() {
+        let is_known = self.errors.iter().any(|error| error.estimate.is_some());
+        let lost = self.checks.iter().find(|check| !check.lost.is_empty());
+        let points = match self.points.len() - lost.map_or(0, |check| check.lost.len().min(self.points.len())) {
             0 => String::new(),
             n if n == self.all => format!(", all {n} points compared"),
             n => format!(", {n} of {} points compared", self.all),
         };
-        let is_known = self.errors.iter().any(|error| error.estimate.is_some());
-        let lost = self.checks.iter().find(|check| is_known && !check.lost.is_empty());
+        let lost = lost.filter(|_| is_known);
         let lost = lost.map_or_else(String::new, |check| format!("; {}", finer::not_found(&check.lost)));
         let broken = self.broken().map_or_else(String::new, |broken| format!("; {broken}"));
         format!("Estimated errors{name}{points}: {}{lost}{smaller}{broken}", numbers::all(&self.errors))

@@ -176,7 +176,6 @@ mod tests {
             (Some("contact.1.gap_m"), Some(6)),
             (Some("method.harmonics"), None),
             (Some("structure"), Some(1)),
-            (None, None),
         ] {
             assert!(places.contains(&place), "{place:?} in {places:?}");
         }

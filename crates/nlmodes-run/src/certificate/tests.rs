@@ -294,19 +294,20 @@ fn whoever_watches_ends_a_check_within_its_points() {
 #[test]
 fn changes_are_said_in_per_cent_as_far_as_that_is_read() {
     let said = [0.0, 1e-8, 8.6e-4, 6.7e-3, 2.6e-2, 0.128, 3.0].map(share);
-    assert_eq!(said, ["0", "1e-8", "0.09 %", "0.67 %", "2.6 %", "13 %", "300 %"]);
+    assert_eq!(said, ["0", "1e-6 %", "0.09 %", "0.67 %", "2.6 %", "13 %", "300 %"]);
 }
 
 #[test]
-fn a_few_points_that_have_a_motion_to_compare_with_do_not_stand_for_the_others() {
+fn points_next_to_grazing_do_not_stand_for_those_that_have_no_motion_to_compare_with() {
     let place = |point: usize| Place { point, frequency_hz: 20.0, energy_j: None };
     let source = ErrorSource { kind: SourceKind::Harmonics, name: "7 harmonics".to_owned(), command: String::new() };
-    let checks = |found: usize, lost: usize| {
+    let checks = |reach: f64, lost: usize| {
         let mut compared = finer::Compared::default();
-        (0..found).for_each(|k| compared.take(place(k), Some([Some(1e-6); 4])));
-        (found..found + lost).for_each(|k| compared.take(place(k), None));
+        compared.take(place(1), reach, Some([Some(1e-6); 4]));
+        (2..2 + lost).for_each(|k| compared.take(place(k), 0.5, None));
         compared.checks(("harmonics", "", source.clone()), |_, _| String::new())
     };
-    assert!(checks(1, 9).iter().all(|check| check.value.is_none() && check.words.contains("no motion")));
-    assert!(checks(5, 5).iter().all(|check| check.value == Some(1e-6)));
+    assert!(checks(1e-5, 9).iter().all(|check| check.value.is_none() && check.words.contains("no motion")));
+    assert!(checks(0.1, 9).iter().all(|check| check.value == Some(1e-6)));
+    assert!(checks(1e-5, 0).iter().all(|check| check.value == Some(1e-6)));
 }

@@ -8,9 +8,11 @@ use super::{AtBranchPoint, FrequencyDirection, InternalResonance};
 pub struct Continuation {
     /// Averaged kinetic energy at which the branch ends, relative to that at grazing; default: no limit with a
     /// frequency window, else 10, and 1e4 with `[[spring]]`, where modes start almost linear
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 1.0))]
     pub max_energy_ratio: Option<f64>,
     /// Frequency window [lowest, highest], where the branch ends
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("unit" = "Hz"), inner(range(min = 0.0)))]
     pub frequency_hz: Option<[f64; 2]>,
     /// Maximum number of points of the branch
