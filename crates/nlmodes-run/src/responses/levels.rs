@@ -233,9 +233,12 @@ impl Level {
         jumps.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
         let mut losses: Vec<Loss> = segments.iter().flat_map(Segment::losses).collect();
         losses.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+        let force: fn(&ModalPoint) -> f64 = |point| point.peak_contact_force;
         let largest = |quantity: fn(&ModalPoint) -> f64| {
             let each = curves.iter().flat_map(|of| of.branch.points.iter().enumerate().map(move |point| (*of, point)));
-            each.max_by(|(_, (_, a)), (_, (_, b))| quantity(a).total_cmp(&quantity(b)))
+            each.max_by(|(_, (_, a)), (_, (_, b))| {
+                quantity(a).total_cmp(&quantity(b)).then_with(|| force(a).total_cmp(&force(b)))
+            })
         };
         let is_stable = |point: &ModalPoint| point.stability.and_then(|stability| stability.stable);
         let (mut known, mut points) = (0_u32, 0_u32);
@@ -244,7 +247,6 @@ impl Level {
             points += 1;
         }
         let stability_known = f64::from(known) / f64::from(points.max(1));
-        let force: fn(&ModalPoint) -> f64 = |point| point.peak_contact_force;
         let largest_force = largest(force).filter(|(_, (_, point))| point.peak_contact_force > 0.0);
         let largest_force = largest_force.map(|(of, (k, point))| LargestForce {
             frequency_hz: frequency(point),
@@ -272,27 +274,39 @@ impl Level {
         format!("{} {unit}: {}", short(self.level), self.lines().join("\n    "))
     }
 
-    /// The same in one line.
+    /// Peak, force and jumps alone, in one line.
     pub fn in_a_line(&self, unit: &str) -> String {
-        format!("{} {unit}: {}", short(self.level), self.lines().join("; "))
+        let peak =
+            self.moving().map(|peak| format!("up to {} at {} Hz", length(peak.amplitude_m), short(peak.frequency_hz)));
+        let force = self.largest_force.as_ref().map(|largest| format!("up to {} N", significant(largest.force_n, 4)));
+        let jumps = self.jumps.iter().map(|jump| format!("{} at {} Hz", jump.direction, short(jump.frequency_hz)));
+        let jumps = jumps.collect::<Vec<_>>().join(", ");
+        let jumps = (!jumps.is_empty()).then(|| format!("a sweep jumps {jumps}"));
+        let parts: Vec<String> = [peak, force, jumps].into_iter().flatten().collect();
+        format!("{} {unit}: {}", short(self.level), parts.join("; "))
+    }
+
+    /// The largest amplitude; none where the first contact stays at rest.
+    fn moving(&self) -> Option<&Peak> {
+        self.peak.as_ref().filter(|peak| peak.amplitude_m > 0.0)
     }
 
     fn lines(&self) -> Vec<String> {
         let mut lines = Vec::new();
-        if let Some(peak) = &self.peak {
-            let (amplitude, error) = (length(peak.amplitude_m), within(peak.amplitude_error));
-            let what = match peak.amplitude_m {
-                0.0 => "the first contact is at rest".to_owned(),
-                _ => format!("largest amplitude {amplitude}{error}"),
-            };
-            let place = |hz: f64, stable: Option<bool>| {
-                format!("at {} Hz{}", short(hz), if stable == Some(false) { ", unstable" } else { "" })
-            };
-            let force = self.largest_force.as_ref().map_or_else(String::new, |largest| {
-                format!("; largest contact force {} {}", largest.text(), place(largest.frequency_hz, largest.stable))
-            });
-            lines.push(format!("{what} {}{force}", place(peak.frequency_hz, peak.stable)));
-        }
+        let place = |hz: f64, stable: Option<bool>| {
+            format!("at {} Hz{}", short(hz), if stable == Some(false) { ", unstable" } else { "" })
+        };
+        let peak = self.moving().map_or_else(
+            || "the first contact is at rest".to_owned(),
+            |peak| {
+                let (amplitude, error) = (length(peak.amplitude_m), within(peak.amplitude_error));
+                format!("largest amplitude {amplitude}{error} {}", place(peak.frequency_hz, peak.stable))
+            },
+        );
+        let force = self.largest_force.as_ref().map_or_else(String::new, |largest| {
+            format!("; largest contact force {} {}", largest.text(), place(largest.frequency_hz, largest.stable))
+        });
+        lines.push(peak + &force);
         if !self.stable.is_empty() {
             lines.push(format!("stable from {}", self.stable_text()));
             if self.stability_known < MOST {
