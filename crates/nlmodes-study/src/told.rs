@@ -73,7 +73,8 @@ impl Statistics {
     pub fn independence(&self) -> Option<String> {
         match (self.does_not_vary, self.does_not_depend_on.as_slice()) {
             (true, _) => Some(
-                "it does not depend on the variables: its spread is below the error of the computation (an energy \
+                "over these ranges it does not depend on the variables: its spread is below the error of the \
+                 computation (an energy \
                  ratio moves with the gap; { energy_j = … } holds the energy itself)"
                     .to_owned(),
             ),

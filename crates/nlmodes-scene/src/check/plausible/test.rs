@@ -24,8 +24,12 @@ pub fn warn(scene: &TestScene, diagnostics: &mut Diagnostics<'_>) {
     levels(scene, diagnostics);
 }
 
-/// Damping ratios that look like per cent; `path` is that of the list, or of a single value.
+/// Damping ratios that look like per cent, where they are not written in per cent; `path` is that of the list, or of a
+/// single value.
 pub fn damping(path: &str, ratios: &[f64], diagnostics: &mut Diagnostics<'_>) {
+    if diagnostics.as_written(path) != path {
+        return;
+    }
     let Some((i, ratio)) = ratios.iter().enumerate().find(|(_, ratio)| **ratio >= DAMPED) else { return };
     let diagnostic = Diagnostic::warning(format!("`{path}` has {} % of critical damping", number(100.0 * ratio)));
     let diagnostic = diagnostic.help(meant(*ratio, "%", 1e-2)).help("a damping ratio is a fraction: 0.01 means 1 %");
