@@ -18,9 +18,9 @@ const STEPS: usize = 40;
 type Quantity<'a> = &'a dyn Fn(&ResponsePoint) -> f64;
 
 impl Curve<'_> {
-    /// Puts a point where the amplitude of the watched displacement is largest, and one where the contact force is, on a
-    /// curve over the frequency. What a parameter does to a maximum is its derivative at constant frequency there, and
-    /// only there.
+    /// Puts a point where the amplitude of the watched displacement is largest, and one where the contact force is, on
+    /// a curve over the frequency. What a parameter does to a maximum is its derivative at constant frequency there,
+    /// and only there.
     pub fn locate_peaks(&mut self, points: Vec<ResponsePoint>) -> Result<Vec<ResponsePoint>, ResponseError> {
         let is_over_frequency = matches!(self.system.closing().omega, Source::Parameter { .. });
         if !is_over_frequency {
