@@ -12,7 +12,7 @@
 //! | [`parse_each_method`], [`load_structure`] | text or file → the checked scene of a structure, one for each method |
 //! | [`load_any`], [`load_to_run`], [`load_records`], [`parse_any`] | the same for a scene of any kind, [`AnyScene`] |
 //! | [`SceneFile`] | the scene, the places of its keys, its warnings |
-//! | [`Diagnostic`], [`Diagnostics`], [`SceneError`] | what is wrong and where: one thing, all things, a refusal |
+//! | [`Diagnostic`], [`Diagnostics`], [`SceneError`] | what is wrong and where; all of it; a scene that is refused |
 //! | [`load_other`], [`parse_other`] | files of other kinds than scenes, with messages as good |
 //! | [`whole_schema`] | every key with its unit, limits and default |
 //! | [`assemble`] | scene → structural model |

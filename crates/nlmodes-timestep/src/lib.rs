@@ -14,7 +14,7 @@
 //! | `λ(t)`, `q(t)` | contact forces, displacements at any instant | N, m | [`Trajectory::at`] |
 //! | `E` | kinetic and strain energy | J | [`Trajectory::energies`] |
 //! | `μ` | Floquet multipliers | 1 | [`Floquet`] |
-//! | `B`, `y` | fixed-interface modes, coordinates | 1/√kg, m·√kg | [`GalerkinReduction`] |
+//! | `B`, `y` | reduction to fixed-interface modes, its coordinates | 1/√kg, m·√kg | [`GalerkinReduction`] |
 //! | `x` | damped structure under a periodic load, its exact motion | | [`ForcedStructure`], [`ForcedMotion`] |
 //! | | nonlinear mode by shooting, with its modal quantities | | [`ModeShooting`] |
 //! | `𝒜` | contact problem of all samples at once | m/N | [`GlobalContactProblem`] |

@@ -222,8 +222,8 @@ impl PeriodicSystem {
             let step = self.step(operator, laws, &interval, at)?;
             monodromy = step * monodromy;
         }
-        let m = self.structure.n_modes();
-        let felt: Vec<usize> = (0..states).filter(|i| self.structure.is_held_or_felt(i % m)).collect();
+        let is_felt = |k: usize| self.structure.omega_squared()[k] > 0.0 || self.structure.moves_a_contact(k);
+        let felt: Vec<usize> = (0..states).filter(|i| is_felt(i % self.structure.n_modes())).collect();
         let monodromy = Mat::from_fn(felt.len(), felt.len(), |i, j| monodromy[(felt[i], felt[j])]);
         let mut multipliers =
             eigenvalues(&monodromy).map_err(|source| HbmError::Linalg { what: "Floquet multipliers", source })?;

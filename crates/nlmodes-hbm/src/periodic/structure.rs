@@ -232,15 +232,6 @@ impl ModalStructure {
         &self.omega_squared
     }
 
-    /// Whether a mode has a stiffness of its own, or moves a contact or a law: others are rigid-body motions that no
-    /// force reaches.
-    pub fn is_held_or_felt(&self, mode: usize) -> bool {
-        let moves = |of: &PlacedLaw| of.modes[mode] != 0.0;
-        self.omega_squared[mode] > 0.0
-            || (0..self.rows.nrows()).any(|i| self.rows[(i, mode)] != 0.0)
-            || self.laws().iter().any(moves)
-    }
-
     /// The modes as the gaps see them, `Y`, c × m, 1/√kg.
     pub fn rows(&self) -> &Mat<f64> {
         &self.rows

@@ -281,7 +281,7 @@ impl Level {
         let force = self.largest_force.as_ref().map(|largest| format!("up to {} N", significant(largest.force_n, 4)));
         let jumps = self.jumps.iter().map(|jump| format!("{} at {} Hz", jump.direction, short(jump.frequency_hz)));
         let jumps = jumps.collect::<Vec<_>>().join(", ");
-        let jumps = (!jumps.is_empty()).then(|| format!("a sweep jumps {jumps}"));
+        let jumps = (!jumps.is_empty()).then(|| format!("jumps {jumps}"));
         let parts: Vec<String> = [peak, force, jumps].into_iter().flatten().collect();
         format!("{} {unit}: {}", short(self.level), parts.join("; "))
     }

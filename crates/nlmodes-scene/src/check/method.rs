@@ -209,7 +209,7 @@ fn modes(body: &Body<'_>, contacts: &[Contact], loses: &dyn Fn(&Contact) -> bool
     dofs.saturating_sub(places.len())
 }
 
-/// That all nodes which the supports leave free are such.
+/// Refuses a structure in which no node with mass can move; `which` tells of the nodes that the supports leave free.
 fn nothing_left(which: &str, diagnostics: &mut Diagnostics<'_>) {
     let diagnostic = Diagnostic::error("nothing with mass is left to move");
     let diagnostic = diagnostic.help(format!("all nodes that the supports leave free {which}"));

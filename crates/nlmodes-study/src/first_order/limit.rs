@@ -66,7 +66,7 @@ pub fn kept(
     if limit.holds(there) {
         (kept.share, kept.computed) = (Some(1.0), Some(there));
         if let Some(names) = corner.map(|corner| corner.turns_over.join(", ")).filter(|names| !names.is_empty()) {
-            kept.reason = format!("nearer to the means it is more extreme by {names}, which was not computed");
+            kept.reason = format!("within them it is more extreme, as {names} changes, which was not computed");
         }
     } else {
         within.search(quantity, (slope.value, there, &end), cases, &mut kept)?;

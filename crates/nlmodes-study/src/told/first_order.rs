@@ -83,19 +83,22 @@ impl Display for Kept {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         write!(f, "{} {}: ", self.which, number(self.limit))?;
         let first = self.first_order.map_or_else(|| "nothing".to_owned(), |share| format!("{:.1} %", 100.0 * share));
-        let at_corner = |value: f64| format!("{} at the worst corner, {first} by gradients", number(value));
-        match (self.share, self.computed) {
+        match (self.share, self.computed.map(number)) {
             (Some(0.0), _) if self.first_order == Some(0.0) => write!(f, "the means are beyond it")?,
-            (Some(1.0), Some(value)) => write!(f, "kept within the tolerances ({})", at_corner(value))?,
+            (Some(1.0), Some(value)) => write!(f, "{value} at the worst corner of the tolerances")?,
             (Some(share), Some(value)) => {
                 let range = |(name, [low, high]): (&String, &[f64; 2])| {
                     format!("{name} from {} to {}", significant(*low, 5), significant(*high, 5))
                 };
                 let ranges: Vec<String> = self.within.iter().map(range).collect();
-                let (share, ranges) = (100.0 * share, ranges.join(", "));
-                write!(f, "kept with tolerances of {share:.1} % of these: {ranges} ({})", at_corner(value))?;
+                let (percent, ranges) = (100.0 * share, ranges.join(", "));
+                write!(
+                    f,
+                    "kept if all tolerances are {percent:.1} % as wide (by gradients {first}): {ranges}; {value} at \
+                     their worst corner"
+                )?;
             }
-            _ => write!(f, "by gradients kept with tolerances of {first} of these; not computed")?,
+            _ => write!(f, "by gradients kept if all tolerances are {first} as wide; not computed")?,
         }
         if self.reason.is_empty() { Ok(()) } else { write!(f, ": {}", self.reason) }
     }

@@ -53,13 +53,11 @@ impl Curve<'_> {
             own.iter().copied().max_by(|&a, &b| of(&points[a]).total_cmp(&of(&points[b])))
         };
         let force = |point: &ResponsePoint| point.motion.contacts.iter().map(|c| c.peak_force).fold(0.0, f64::max);
-        let motion = |point: &ResponsePoint| match point.watched {
-            0.0 => point.motion.kinetic_energy / point.omega.powi(2),
-            amplitude => amplitude,
-        };
+        let motion = |point: &ResponsePoint| point.motion.kinetic_energy / point.omega.powi(2);
+        let amplitude = |point: &ResponsePoint| point.watched;
         let folds = own.iter().copied().filter(|&k| points[k].events.contains(&Event::Fold));
         let middle = own.get(own.len() / 2).copied();
-        let chosen = largest(&motion).into_iter().chain(folds).chain(largest(&force));
+        let chosen = largest(&motion).into_iter().chain(folds).chain(largest(&force)).chain(largest(&amplitude));
         settings.order(chosen.chain(own.last().copied()).chain(middle), &own)
     }
 
