@@ -18,6 +18,9 @@ pub(crate) use ticks::{linear_ticks, scientific};
 
 use crate::svg::Stroke;
 
+/// Height of a panel that is alone, pixels.
+pub(crate) const PANEL_HEIGHT: f64 = 360.0;
+
 /// Stacked panels with a common abscissa.
 #[derive(Debug)]
 pub(crate) struct Chart {
@@ -34,9 +37,9 @@ pub(crate) struct Chart {
 }
 
 impl Chart {
-    /// One panel of the usual height, without note or inset.
-    pub fn of_panel(title: String, x: Axis, panel: Panel, legend: Vec<LegendEntry>) -> Self {
-        Self { title, x, panels: vec![panel], panel_height: 360.0, legend, note: None, inset: None }
+    /// These panels, each of this height, without note or inset.
+    pub fn new(title: String, x: Axis, panels: Vec<Panel>, panel_height: f64, legend: Vec<LegendEntry>) -> Self {
+        Self { title, x, panels, panel_height, legend, note: None, inset: None }
     }
 }
 
@@ -97,6 +100,18 @@ pub(crate) struct Symbol {
     /// Whether `fill` is the colour of its outline.
     pub is_open: bool,
     pub name: Option<Name>,
+}
+
+impl Symbol {
+    /// A filled one without a name.
+    pub fn new(class: impl Into<String>, at: (f64, f64), shape: Shape, fill: &'static str) -> Self {
+        Self { class: class.into(), at, shape, fill, is_open: false, name: None }
+    }
+
+    /// With its outline only.
+    pub fn open(self) -> Self {
+        Self { is_open: true, ..self }
+    }
 }
 
 /// A name beside a symbol.

@@ -15,6 +15,7 @@ mod stiffness;
 mod stroboscope;
 mod tornado;
 
+pub(crate) use branch::marked;
 pub use branch::{Abscissa, BranchFigure};
 pub use contacts::ContactFigure;
 pub use convergence::ConvergenceFigure;

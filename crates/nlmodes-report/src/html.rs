@@ -21,7 +21,7 @@ pub use wire::Wireframe;
 
 use crate::ReportError;
 use crate::StopLine;
-use crate::figure::{Figure, HistoryLook, LineKind, SHOWN_MODES, strongest};
+use crate::figure::{Figure, HistoryLook, LineKind, SHOWN_MODES, marked, strongest};
 use crate::output::replace_file;
 use crate::palette;
 use nlmodes_modal::{ModalBranch, Participation, TimeHistory};
@@ -304,14 +304,6 @@ impl<'a> HtmlReport<'a> {
     }
 
     fn check_marks(&self) -> Result<(), ReportError> {
-        for (branch, point, _) in &self.marks {
-            let found = self.branches.get(*branch);
-            let n_points = found.map_or(0, |branch| branch.points.len());
-            if *point >= n_points {
-                let label = found.map_or_else(|| format!("number {branch}"), |branch| branch.label.clone());
-                return Err(ReportError::NoSuchPoint { point: *point, branch: label, n_points });
-            }
-        }
-        Ok(())
+        self.marks.iter().try_for_each(|(branch, point, _)| marked(self.branches, *branch, *point).map(drop))
     }
 }

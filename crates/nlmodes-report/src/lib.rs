@@ -102,6 +102,7 @@ pub use html::{DataTable, HtmlReport, Page, Wireframe, explore};
 pub use output::write_file;
 pub use stop::StopLine;
 pub use style::FigureStyle;
+pub use svg::escape;
 pub use table::{
     BranchWriter, PointHistories, TransientHistories, hertz, write_branch, write_contacts, write_harmonics,
     write_histories, write_matlab, write_participation, write_rows, write_rows_to, write_starts, write_summary,

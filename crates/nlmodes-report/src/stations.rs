@@ -16,6 +16,16 @@ pub(crate) fn motion_of(kind: &str) -> &str {
     kind.split('-').next().unwrap_or(kind)
 }
 
+/// Name of the displacement of a kind of coordinates.
+pub(crate) fn word(kind: &str) -> &'static str {
+    match motion_of(kind) {
+        "axial" => "axial displacement",
+        "deflection" => "deflection",
+        "rotation" => "rotation",
+        _ => "displacement",
+    }
+}
+
 /// Position of the first contact.
 pub(crate) fn contact_position(branch: &ModalBranch) -> Option<f64> {
     branch.coordinates.get(branch.contact_coordinate?).map(|coordinate| coordinate.position)

@@ -230,7 +230,7 @@ fn push_px(text: &mut String, value: f64) {
 }
 
 /// Text for elements and attributes; control characters, which XML does not allow, become spaces.
-pub(crate) fn escape(text: &str) -> String {
+pub fn escape(text: &str) -> String {
     text.chars().fold(String::with_capacity(text.len()), |mut safe, character| {
         match character {
             '&' => safe.push_str("&amp;"),

@@ -35,6 +35,11 @@ pub(crate) struct LegendEntry {
 }
 
 impl LegendEntry {
+    /// Of a line.
+    pub fn line(stroke: Stroke, name: impl Into<String>) -> Self {
+        Self { key: Key::Line(stroke), name: name.into() }
+    }
+
     fn width(&self) -> f64 {
         self.key.width() + text_width(&self.name, FONT) + GAP
     }

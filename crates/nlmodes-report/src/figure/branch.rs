@@ -4,13 +4,13 @@ mod pieces;
 use super::Figure;
 use super::events::EventSymbols;
 use crate::ReportError;
-use crate::chart::{Axis, Chart, Curve, Key, LegendEntry, Name, Panel, Scale, Shape, Symbol};
+use crate::chart::{Axis, Chart, Curve, Key, LegendEntry, Name, PANEL_HEIGHT, Panel, Scale, Shape, Symbol};
 use crate::palette;
 use crate::svg::Stroke;
-pub(super) use pieces::corners;
+pub(super) use pieces::{State, corners};
 
 use nlmodes_modal::{Event, ModalBranch, ModalPoint, Tongue, tongues};
-use pieces::{State, branch_stroke, pieces};
+use pieces::{branch_stroke, pieces};
 use std::f64::consts::TAU;
 
 /// Fraction of the amplitude axis within which the points must begin if it extends to zero.
@@ -84,8 +84,7 @@ impl<'a> BranchFigure<'a> {
         let panel = Panel { y, curves, symbols, verticals: Vec::new() };
         let x = Axis { label: self.abscissa.label().into(), scale: x };
         let inset = self.inset(x.scale, panel.y.scale);
-        let (title, panel_height) = (self.title.clone(), 360.0);
-        Ok(Figure::from(Chart { title, x, panels: vec![panel], panel_height, legend, note: None, inset }))
+        Ok(Figure::from(Chart { inset, ..Chart::new(self.title.clone(), x, vec![panel], PANEL_HEIGHT, legend) }))
     }
 
     fn place(&self, point: &ModalPoint) -> (f64, f64) {
@@ -141,14 +140,8 @@ impl<'a> BranchFigure<'a> {
         let shown = self.branches.iter().enumerate().filter(|(index, _)| self.scattered.contains(index));
         shown.flat_map(move |(index, branch)| {
             let visible = branch.points.iter().filter(|point| self.is_visible(point));
-            visible.map(move |point| Symbol {
-                class: "measured".into(),
-                at: self.place(point),
-                shape: Shape::Circle,
-                fill: palette::curve(index),
-                is_open: true,
-                name: None,
-            })
+            let fill = palette::curve(index);
+            visible.map(move |point| Symbol::new("measured", self.place(point), Shape::Circle, fill).open())
         })
     }
 
@@ -169,14 +162,8 @@ impl<'a> BranchFigure<'a> {
         let of_branch = |branch: &&ModalBranch| {
             let symbol = |tongue: Tongue| {
                 let point = &branch.points[if tongue.skipped { tongue.start } else { tongue.tip }];
-                Symbol {
-                    class: "tongue".into(),
-                    at: self.place(point),
-                    shape: Shape::Dot,
-                    fill: palette::INK,
-                    is_open: false,
-                    name: Some(Name { text: tongue.resonance.to_string(), may_go: true }),
-                }
+                let name = Some(Name { text: tongue.resonance.to_string(), may_go: true });
+                Symbol { name, ..Symbol::new("tongue", self.place(point), Shape::Dot, palette::INK) }
             };
             let shown = tongues(&branch.points).into_iter().filter(|t| self.is_visible(&branch.points[t.tip]));
             shown.map(symbol).collect::<Vec<_>>()
@@ -192,15 +179,8 @@ impl<'a> BranchFigure<'a> {
         let mut found: Vec<(usize, Symbol)> = pairs
             .map(|(point, event)| {
                 let (shape, fill) = events.of(*event);
-                let symbol = Symbol {
-                    class: format!("event {event}"),
-                    at: self.place(point),
-                    shape,
-                    fill,
-                    is_open: true,
-                    name: None,
-                };
-                (EventSymbols::layer(*event), symbol)
+                let symbol = Symbol::new(format!("event {event}"), self.place(point), shape, fill);
+                (EventSymbols::layer(*event), symbol.open())
             })
             .collect();
         found.sort_by_key(|(layer, _)| *layer);
@@ -209,18 +189,11 @@ impl<'a> BranchFigure<'a> {
 
     fn mark_symbols(&self) -> Result<Vec<Symbol>, ReportError> {
         let symbol = |(branch, point, name): &(usize, usize, String)| {
-            let found = self.branches.get(*branch).and_then(|branch| branch.points.get(*point));
-            let found = found.ok_or_else(|| self.no_such_point(*branch, *point))?;
-            let (at, name) = (self.place(found), Some(Name::fixed(name)));
-            Ok(Symbol { class: "mark".into(), at, shape: Shape::Dot, fill: palette::INK, is_open: false, name })
+            let at = self.place(marked(self.branches, *branch, *point)?);
+            let name = Some(Name::fixed(name));
+            Ok(Symbol { name, ..Symbol::new("mark", at, Shape::Dot, palette::INK) })
         };
         self.marks.iter().map(symbol).collect()
-    }
-
-    fn no_such_point(&self, branch: usize, point: usize) -> ReportError {
-        let found = self.branches.get(branch);
-        let label = found.map_or_else(|| format!("number {branch}"), |branch| branch.label.clone());
-        ReportError::NoSuchPoint { point, branch: label, n_points: found.map_or(0, |branch| branch.points.len()) }
     }
 
     fn legend(&self, has_linear_mode: bool, events: &EventSymbols) -> Vec<LegendEntry> {
@@ -232,20 +205,32 @@ impl<'a> BranchFigure<'a> {
         // Curves without points in this figure, such as a test without energies, are not in its legend.
         let branches = branches.filter(|(_, branch)| branch.points.iter().any(|point| self.is_visible(point)));
         let branches = branches.map(|(index, branch)| LegendEntry { key: key(index), name: branch.label.clone() });
-        let linear = has_linear_mode.then(|| entry(Stroke::dashed(palette::INK, 1.6), "linear mode"));
+        let linear = has_linear_mode.then(|| LegendEntry::line(Stroke::dashed(palette::INK, 1.6), "linear mode"));
         let curves = self.branches.iter().enumerate().filter(|(index, _)| !self.scattered.contains(index));
         let states: Vec<State> =
             curves.flat_map(|(_, branch)| pieces(&branch.points)).map(|piece| piece.state).collect();
-        let unstable =
-            states.contains(&State::Unstable).then(|| entry(Stroke::short_dashed(palette::INK, 2.0), "unstable"));
-        let unknown =
-            states.contains(&State::Unknown).then(|| entry(Stroke::solid(palette::INK, 0.9), "stability unknown"));
-        branches.chain(linear).chain(unstable).chain(unknown).chain(events.legend()).collect()
+        let ink = Stroke { color: palette::INK, ..branch_stroke(0) };
+        let of = [(State::Unstable, "unstable"), (State::Unknown, "stability unknown")];
+        let of = of.into_iter().filter(|(state, _)| states.contains(state));
+        let of = of.map(|(state, name)| LegendEntry::line(state.stroke(ink), name));
+        branches.chain(linear).chain(of).chain(events.legend()).collect()
     }
 }
 
-fn entry(stroke: Stroke, name: &str) -> LegendEntry {
-    LegendEntry { key: Key::Line(stroke), name: name.into() }
+/// The point with this number of the branch with that one.
+///
+/// # Errors
+/// [`ReportError::NoSuchPoint`].
+pub(crate) fn marked<'b>(
+    branches: &[&'b ModalBranch],
+    branch: usize,
+    point: usize,
+) -> Result<&'b ModalPoint, ReportError> {
+    let found = branches.get(branch);
+    found.and_then(|branch| branch.points.get(point)).ok_or_else(|| {
+        let label = found.map_or_else(|| format!("number {branch}"), |branch| branch.label.clone());
+        ReportError::NoSuchPoint { point, branch: label, n_points: found.map_or(0, |branch| branch.points.len()) }
+    })
 }
 
 impl Abscissa {

@@ -3,7 +3,7 @@ use std::f64::consts::TAU;
 use super::Figure;
 use super::branch::corners;
 use crate::ReportError;
-use crate::chart::{Axis, Chart, Curve, Key, LegendEntry, Panel, Scale};
+use crate::chart::{Axis, Chart, Curve, LegendEntry, Panel, Scale};
 use crate::palette;
 use crate::svg::Stroke;
 use crate::unit::Unit;
@@ -62,14 +62,11 @@ impl<'a> ContactFigure<'a> {
         let frequencies = self.branch.points.iter().map(|point| point.omega / TAU);
         let scale = Scale::linear(frequencies, 0.04).filter(|_| !shown.is_empty()).ok_or_else(nothing)?;
         let panels = QUANTITIES.iter().map(|quantity| self.panel(quantity, &shown)).collect::<Result<Vec<_>, _>>()?;
-        let entry = |stop: &usize| LegendEntry {
-            key: Key::Line(stroke(*stop)),
-            name: self.names.get(*stop).cloned().unwrap_or_else(|| format!("stop {stop}")),
-        };
-        let legend = shown.iter().map(entry).collect();
+        let name = |stop: usize| self.names.get(stop).cloned().unwrap_or_else(|| format!("stop {stop}"));
+        let legend = shown.iter().map(|stop| LegendEntry::line(stroke(*stop), name(*stop))).collect();
         let x = Axis { label: "frequency in Hz".into(), scale };
-        let (title, panel_height, note) = (self.title.clone(), 150.0, Some(self.note(shown.len())));
-        Ok(Figure::from(Chart { title, x, panels, panel_height, legend, note, inset: None }))
+        let note = Some(self.note(shown.len()));
+        Ok(Figure::from(Chart { note, ..Chart::new(self.title.clone(), x, panels, 150.0, legend) }))
     }
 
     /// The note below the figure.

@@ -1,6 +1,6 @@
 use super::Figure;
 use crate::ReportError;
-use crate::chart::{Axis, Chart, Curve, Key, LegendEntry, Panel, Scale, Shape, Symbol};
+use crate::chart::{Axis, Chart, Curve, LegendEntry, PANEL_HEIGHT, Panel, Scale, Shape, Symbol};
 use crate::palette;
 use crate::svg::Stroke;
 
@@ -60,9 +60,8 @@ impl<'a> ConvergenceFigure<'a> {
         let y = Axis { label: self.y_label.to_owned(), scale: y };
         let panel = Panel { y, curves: self.curves(), symbols: self.symbols(), verticals: Vec::new() };
         let x = Axis { label: self.x_label.to_owned(), scale: x };
-        let legend = self.strokes().map(|(s, stroke)| LegendEntry { key: Key::Line(stroke), name: s.name.to_owned() });
-        let legend = legend.collect();
-        Ok(Figure::from(Chart::of_panel(self.title.to_owned(), x, panel, legend)))
+        let legend = self.strokes().map(|(series, stroke)| LegendEntry::line(stroke, series.name)).collect();
+        Ok(Figure::from(Chart::new(self.title.to_owned(), x, vec![panel], PANEL_HEIGHT, legend)))
     }
 
     /// The series with their strokes; references are grey and use no colour of the palette.
@@ -88,9 +87,7 @@ impl<'a> ConvergenceFigure<'a> {
         let dots = self.strokes().filter(|(series, _)| !series.is_reference);
         let dots = dots.flat_map(|(series, stroke)| series.points.iter().map(move |at| (*at, stroke.color)));
         let visible = dots.filter(|((x, y), _)| is_positive(*x) && is_positive(*y));
-        let symbol =
-            |(at, fill)| Symbol { class: "value".into(), at, shape: Shape::Dot, fill, is_open: false, name: None };
-        visible.map(symbol).collect()
+        visible.map(|(at, fill)| Symbol::new("value", at, Shape::Dot, fill)).collect()
     }
 }
 

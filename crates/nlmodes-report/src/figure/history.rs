@@ -86,16 +86,7 @@ impl<'a> HistoryFigure<'a> {
         let panels = quantities.iter().map(|quantity| self.panel(quantity, unit.per_si));
         let panels = panels.collect::<Result<Vec<_>, _>>()?;
         let x = Axis { label: format!("time in {}", unit.symbol), scale };
-        let chart = Chart {
-            title: self.title.clone(),
-            x,
-            panels,
-            panel_height: 150.0,
-            legend: self.legend(),
-            note: None,
-            inset: None,
-        };
-        Ok(Figure::from(chart))
+        Ok(Figure::from(Chart::new(self.title.clone(), x, panels, 150.0, self.legend())))
     }
 
     fn quantities(&self) -> Vec<Quantity> {
@@ -150,22 +141,14 @@ impl<'a> HistoryFigure<'a> {
             let (shape, fill) = if instant.touching { TOUCHING } else { LEAVING };
             let fill = if self.histories.len() > 1 { self.stroke(index).color } else { fill };
             let class = if instant.touching { "touching" } else { "leaving" };
-            Some(Symbol {
-                class: class.into(),
-                at: (instant.time * per_second, value * per_si),
-                shape,
-                fill,
-                is_open: false,
-                name: None,
-            })
+            Some(Symbol::new(class, (instant.time * per_second, value * per_si), shape, fill))
         });
         symbols.collect()
     }
 
     fn legend(&self) -> Vec<LegendEntry> {
         let histories = self.histories.iter().enumerate();
-        let histories = histories
-            .map(|(index, history)| LegendEntry { key: Key::Line(self.stroke(index)), name: history.label.clone() });
+        let histories = histories.map(|(index, history)| LegendEntry::line(self.stroke(index), &history.label));
         let instants = [(TOUCHING, true, "touching"), (LEAVING, false, "leaving")].into_iter();
         let instants = instants.filter(|(_, touching, _)| self.instants().any(|(.., i)| i.touching == *touching));
         let several = self.histories.len() > 1;
@@ -175,8 +158,7 @@ impl<'a> HistoryFigure<'a> {
         });
         // Curves in the colours of their stops already identify them.
         let is_named = (0..self.histories.len()).any(|index| self.look.wall(index) == self.stroke(index).color);
-        let wall = Key::Line(Stroke::solid(self.look.wall(0), 2.4));
-        let stop = (!is_named).then(|| LegendEntry { key: wall, name: "stop".into() });
+        let stop = (!is_named).then(|| LegendEntry::line(Stroke::solid(self.look.wall(0), 2.4), "stop"));
         histories.chain(stop).chain(instants).collect()
     }
 

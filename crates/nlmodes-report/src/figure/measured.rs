@@ -74,9 +74,7 @@ impl<'a> MeasuredFigure<'a> {
         let panels = panels.ok_or_else(|| nothing("a panel has no finite value"))?;
         let x = Axis { label: self.x_label.to_owned(), scale };
         let (title, note) = (self.title.to_owned(), self.bars.map(str::to_owned));
-        let legend = Vec::new();
-        let chart = Chart { title, x, panels, panel_height: 240.0, legend, note, inset: None };
-        Ok(Figure::from(chart))
+        Ok(Figure::from(Chart { note, ..Chart::new(title, x, panels, 240.0, Vec::new()) }))
     }
 
     fn draw(&self, label: &str, values: &[(f64, f64)]) -> Option<Panel> {
@@ -93,15 +91,7 @@ impl<'a> MeasuredFigure<'a> {
             let points = bar(value).map(|y| (value.0, y)).to_vec();
             Curve::new("uncertainty", points, Stroke::solid(colour, 2.4))
         });
-        let dot = |(x, y, _): &(f64, f64, f64)| Symbol {
-            class: "record".into(),
-            at: (*x, *y),
-            shape: Shape::Dot,
-            fill: colour,
-            is_open: false,
-            name: None,
-        };
-        let symbols = visible.iter().map(dot).collect();
+        let symbols = visible.iter().map(|(x, y, _)| Symbol::new("record", (*x, *y), Shape::Dot, colour)).collect();
         let y = Axis { label: label.to_owned(), scale };
         Some(Panel { y, curves: line.into_iter().chain(bars).collect(), symbols, verticals: Vec::new() })
     }

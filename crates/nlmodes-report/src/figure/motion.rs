@@ -1,4 +1,4 @@
-use super::Figure;
+use super::{Figure, marked};
 use crate::ReportError;
 use crate::StopLine;
 use crate::chart::scientific;
@@ -68,9 +68,7 @@ impl<'a> MotionFigure<'a> {
     }
 
     fn checked_point(&self) -> Result<&ModalPoint, ReportError> {
-        let n_points = self.branch.points.len();
-        let missing = || ReportError::NoSuchPoint { point: self.point, branch: self.branch.label.clone(), n_points };
-        let point = self.branch.points.get(self.point).ok_or_else(missing)?;
+        let point = marked(&[self.branch], 0, self.point)?;
         let width = point.coefficients.n_harmonics() + 1;
         let (found, expected) = (point.coefficients.n_coordinates(), self.branch.coordinates.len());
         if found == expected {
@@ -135,10 +133,6 @@ fn heights(point: &ModalPoint, stations: &[Station]) -> Vec<Vec<f64>> {
 }
 
 fn quantity(kind: &str, largest: f64) -> (&'static str, Unit) {
-    match crate::stations::motion_of(kind) {
-        "axial" => ("axial displacement", Unit::fine("m", largest)),
-        "deflection" => ("deflection", Unit::fine("m", largest)),
-        "rotation" => ("rotation", Unit::fine("rad", largest)),
-        _ => ("displacement", Unit::fine("m", largest)),
-    }
+    let unit = if stations::motion_of(kind) == "rotation" { "rad" } else { "m" };
+    (stations::word(kind), Unit::fine(unit, largest))
 }

@@ -1,7 +1,7 @@
 use super::Figure;
 use super::branch::corners;
 use crate::ReportError;
-use crate::chart::{Axis, Chart, Curve, Key, LegendEntry, Panel, Scale};
+use crate::chart::{Axis, Chart, Curve, LegendEntry, Panel, Scale};
 use crate::palette;
 use crate::svg::Stroke;
 use nlmodes_modal::{Event, ModalBranch, ModalPoint, Participation};
@@ -51,13 +51,9 @@ impl<'a> ParticipationFigure<'a> {
         let modes = strongest(self.branches.iter().flat_map(|(_, found)| found.iter()), self.modes);
         let panels = modes.into_iter().map(|mode| self.panel(mode)).collect::<Result<Vec<_>, _>>()?;
         let x = Axis { label: "modal amplitude in m √kg".into(), scale };
-        let entry = |(index, (branch, _)): (usize, &(&ModalBranch, &[Participation]))| LegendEntry {
-            key: Key::Line(stroke(index)),
-            name: branch.label.clone(),
-        };
-        let legend = self.branches.iter().enumerate().map(entry).collect();
-        let (title, panel_height) = (self.title.clone(), 180.0);
-        Ok(Figure::from(Chart { title, x, panels, panel_height, legend, note: None, inset: None }))
+        let branches = self.branches.iter().enumerate();
+        let legend = branches.map(|(index, (branch, _))| LegendEntry::line(stroke(index), &branch.label)).collect();
+        Ok(Figure::from(Chart::new(self.title.clone(), x, panels, 180.0, legend)))
     }
 
     fn panel(&self, mode: usize) -> Result<Panel, ReportError> {

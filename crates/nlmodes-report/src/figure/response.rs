@@ -1,4 +1,5 @@
 use super::Figure;
+use super::branch::State;
 use crate::ReportError;
 use crate::chart::{Axis, Chart, Curve, Key, LegendEntry, Name, Panel, Scale, Shape, Symbol};
 use crate::palette;
@@ -137,38 +138,19 @@ impl<'a> ResponseFigure<'a> {
         });
         let joined = order.into_iter().filter(|line| line.kind != LineKind::Measured);
         let curves = joined.flat_map(|line| pieces(line, self.stroke(line), [per_x, per_y])).collect();
-        let symbol = |(x, y, name): &(f64, f64, String)| Symbol {
-            class: "mark".into(),
-            at: (x * per_x, y * per_y),
-            shape: Shape::Dot,
-            fill: palette::INK,
-            is_open: false,
-            name: (!name.is_empty()).then(|| Name::fixed(name)),
+        let symbol = |(x, y, name): &(f64, f64, String)| {
+            let name = (!name.is_empty()).then(|| Name::fixed(name));
+            Symbol { name, ..Symbol::new("mark", (x * per_x, y * per_y), Shape::Dot, palette::INK) }
         };
         let measured = self.lines.iter().filter(|line| line.kind == LineKind::Measured);
         let circles = measured.flat_map(|line| {
             let fill = self.stroke(line).color;
-            line.points.iter().filter(|p| p.0.is_finite() && p.1.is_finite()).map(move |p| Symbol {
-                class: "measured".into(),
-                at: (p.0 * per_x, p.1 * per_y),
-                shape: Shape::Circle,
-                fill,
-                is_open: true,
-                name: None,
-            })
+            let finite = line.points.iter().filter(|p| p.0.is_finite() && p.1.is_finite());
+            finite.map(move |p| Symbol::new("measured", (p.0 * per_x, p.1 * per_y), Shape::Circle, fill).open())
         });
         let symbols = circles.chain(self.marks.iter().map(symbol)).collect();
         let panel = Panel { y, curves, symbols, verticals: Vec::new() };
-        let chart = Chart {
-            title: self.title.clone(),
-            x,
-            panels: vec![panel],
-            panel_height: 420.0,
-            legend: self.legend(),
-            note: None,
-            inset: None,
-        };
-        Ok(Figure::from(chart))
+        Ok(Figure::from(Chart::new(self.title.clone(), x, vec![panel], 420.0, self.legend())))
     }
 
     fn names(&self) -> Vec<&ResponseLine> {
@@ -188,10 +170,10 @@ impl<'a> ResponseFigure<'a> {
         };
         let entry = |line: &&ResponseLine| LegendEntry { key: key(line), name: line.name.clone() };
         let ink = Stroke::solid(palette::INK, 1.8);
-        let states = [(State::Unstable, "unstable"), (State::Uncertain, "stability uncertain")];
+        let states = [(State::Unstable, "unstable"), (State::Unknown, "stability uncertain")];
         let occurs = |state: State| self.lines.iter().any(|line| line.points.iter().any(|p| line.state(p) == state));
         let more = states.into_iter().filter(|(state, _)| occurs(*state));
-        let more = more.map(|(state, name)| LegendEntry { key: Key::Line(state.stroke(ink)), name: name.into() });
+        let more = more.map(|(state, name)| LegendEntry::line(state.stroke(ink), name));
         self.names().iter().map(entry).chain(more).collect()
     }
 
@@ -208,33 +190,9 @@ impl<'a> ResponseFigure<'a> {
     }
 }
 
-/// Stability of a motion.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum State {
-    /// It is stable, or stability was not requested.
-    Stable,
-    Unstable,
-    Uncertain,
-}
-
-impl State {
-    fn stroke(self, stroke: Stroke) -> Stroke {
-        match self {
-            Self::Stable => stroke,
-            Self::Unstable => Stroke::short_dashed(stroke.color, stroke.width),
-            Self::Uncertain => Stroke::solid(stroke.color, 0.45 * stroke.width),
-        }
-    }
-}
-
 impl ResponseLine {
     fn state(&self, point: &(f64, f64, Option<bool>)) -> State {
-        match point.2 {
-            Some(true) => State::Stable,
-            Some(false) => State::Unstable,
-            None if self.points.iter().any(|p| p.2.is_some()) => State::Uncertain,
-            None => State::Stable,
-        }
+        State::of(point.2, self.points.iter().any(|p| p.2.is_some()))
     }
 }
 

@@ -1,6 +1,6 @@
 use super::Figure;
 use crate::ReportError;
-use crate::chart::{Axis, Chart, Curve, Key, LegendEntry, Panel, Scale, Shape, Symbol};
+use crate::chart::{Axis, Chart, Curve, LegendEntry, PANEL_HEIGHT, Panel, Scale, Shape, Symbol};
 use crate::svg::Stroke;
 
 /// Values of many cases over a variable: one dot per case, with median and band.
@@ -54,28 +54,15 @@ impl<'a> SpreadFigure<'a> {
         let y = Scale::linear(visible().map(|p| p.1), 0.06);
         let reason = "no case has the quantity";
         let (x, y) = x.zip(y).ok_or(ReportError::NothingToDraw { figure: "spread", reason })?;
-        let dot = |at: &(f64, f64)| Symbol {
-            class: "case".into(),
-            at: *at,
-            shape: Shape::Dot,
-            fill: "#8fc1e3",
-            is_open: false,
-            name: None,
-        };
-        let symbols = visible().map(dot).collect();
+        let symbols = visible().map(|at| Symbol::new("case", *at, Shape::Dot, "#8fc1e3")).collect();
         let curve = |line: &Line<'_>| Curve::new("quantile", line.points.to_vec(), stroke(line));
         let lines = self.lines.iter();
-        let panel = Panel {
-            y: Axis { label: self.y_label.to_owned(), scale: y },
-            curves: lines.clone().map(curve).collect(),
-            symbols,
-            verticals: Vec::new(),
-        };
+        let y = Axis { label: self.y_label.to_owned(), scale: y };
+        let panel = Panel { y, curves: lines.clone().map(curve).collect(), symbols, verticals: Vec::new() };
         let named = lines.filter(|line| !line.name.is_empty());
-        let legend = named.map(|line| LegendEntry { key: Key::Line(stroke(line)), name: line.name.to_owned() });
-        let legend = legend.collect();
+        let legend = named.map(|line| LegendEntry::line(stroke(line), line.name)).collect();
         let x = Axis { label: self.x_label.to_owned(), scale: x };
-        Ok(Figure::from(Chart::of_panel(self.title.to_owned(), x, panel, legend)))
+        Ok(Figure::from(Chart::new(self.title.to_owned(), x, vec![panel], PANEL_HEIGHT, legend)))
     }
 }
 

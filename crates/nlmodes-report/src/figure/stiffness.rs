@@ -1,6 +1,6 @@
 use super::Figure;
 use crate::ReportError;
-use crate::chart::{Axis, Chart, Curve, Key, LegendEntry, Panel, Scale, Shape, Symbol};
+use crate::chart::{Axis, Chart, Curve, LegendEntry, PANEL_HEIGHT, Panel, Scale, Shape, Symbol};
 use crate::palette;
 use crate::svg::Stroke;
 use crate::unit::Unit;
@@ -48,14 +48,7 @@ impl<'a> StiffnessFigure<'a> {
         let x = Scale::linear(all().map(|p| p.0), 0.04).ok_or_else(nothing)?;
         let y = Scale::linear(all().map(|p| p.1), 0.06).ok_or_else(nothing)?;
         let fill = palette::curve(1);
-        let symbol = |at: &(f64, f64)| Symbol {
-            class: "sample".into(),
-            at: *at,
-            shape: Shape::Dot,
-            fill,
-            is_open: false,
-            name: None,
-        };
+        let symbol = |at: &(f64, f64)| Symbol::new("sample", *at, Shape::Dot, fill);
         let stroke = Stroke::solid("#000000", 1.8);
         let panel = Panel {
             y: Axis { label: format!("contact force in {}", force.symbol), scale: y },
@@ -64,9 +57,9 @@ impl<'a> StiffnessFigure<'a> {
             verticals: Vec::new(),
         };
         let name = format!("{:.4e} N/m ± {:.1e} N/m", self.fit.stiffness, self.fit.stiffness_error);
-        let legend = vec![LegendEntry { key: Key::Line(stroke), name }];
+        let legend = vec![LegendEntry::line(stroke, name)];
         let x = Axis { label: format!("displacement in {}", length.symbol), scale: x };
-        Ok(Figure::from(Chart::of_panel(self.title.clone(), x, panel, legend)))
+        Ok(Figure::from(Chart::new(self.title.clone(), x, vec![panel], PANEL_HEIGHT, legend)))
     }
 
     /// +1 for a stop on the positive side.

@@ -44,9 +44,7 @@ pub(crate) fn stroboscope(
     let panel = Panel { y, curves: moving.chain(walls).collect(), symbols: Vec::new(), verticals: Vec::new() };
     let x = Axis { label: format!("position in {}", x.symbol), scale: x_scale };
     let title = format!("Sixteen instants of a period, {:.4} Hz", point.omega / TAU);
-    let chart =
-        Chart { title, x, panels: vec![panel], panel_height: 280.0, legend: Vec::new(), note: None, inset: None };
-    Some(Figure::from(chart))
+    Some(Figure::from(Chart::new(title, x, vec![panel], 280.0, Vec::new())))
 }
 
 fn shape(point: &ModalPoint, stations: &[Station], instant: usize) -> Vec<f64> {

@@ -90,7 +90,7 @@ impl MotionData {
         };
         let kind = stations::kind(branch);
         Some(Self {
-            word: word(kind),
+            word: stations::word(kind),
             is_axial: stations::motion_of(kind) == "axial",
             x: stations.iter().map(|(position, _)| *position).collect(),
             held: (0..stations.len()).filter(|d| stations[*d].1.is_none()).collect(),
@@ -98,16 +98,6 @@ impl MotionData {
             frames: points.iter().map(frame).collect(),
             points,
         })
-    }
-}
-
-/// Name of the displacement of a kind of coordinates.
-pub(super) fn word(kind: &str) -> &'static str {
-    match stations::motion_of(kind) {
-        "axial" => "axial displacement",
-        "deflection" => "deflection",
-        "rotation" => "rotation",
-        _ => "displacement",
     }
 }
 

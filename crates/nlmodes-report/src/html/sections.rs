@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::history::thinned;
-use super::motion::{is_along_an_axis, shown, word};
+use super::motion::{is_along_an_axis, shown};
 use super::number::{hertz, significant};
 use super::overview::tongue_at_end;
 use super::table::{DataTable, cell, point_cell};
@@ -102,7 +102,7 @@ impl HtmlReport<'_> {
         }
         let lines: Vec<(usize, f64, f64)> =
             stops.iter().map(|(number, stop, at)| (*number, stations[*at].0, stop.position)).collect();
-        let name = word(stations::kind(self.branches[branch]));
+        let name = stations::word(stations::kind(self.branches[branch]));
         let point = &self.branches[branch].points[point];
         let Some(still) = stroboscope(point, name, &stations, &lines) else { return String::new() };
         let contact = if self.contact_motion.is_some() && !stops.is_empty() {

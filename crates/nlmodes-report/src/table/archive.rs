@@ -4,7 +4,12 @@ use npyz::npz::{NpzWriter, file_name_from_array_name};
 use npyz::zip::write::FileOptions;
 use npyz::zip::{CompressionMethod, DateTime};
 use npyz::{AutoSerialize, DType, TypeStr, WriteOptions, WriterBuilder};
-use std::io::{self, BufWriter, Seek, Write};
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+
+use crate::ReportError;
+use crate::output::{Output, replace_file};
 
 /// Bytes written to the archive at once: each call has an overhead.
 const BUFFER: usize = 1 << 16;
@@ -16,9 +21,27 @@ fn stored() -> FileOptions {
     options.compression_method(CompressionMethod::Stored).large_file(true)
 }
 
+/// Writes an archive of what `arrays` puts into it; an existing file is replaced atomically.
+///
+/// # Errors
+/// [`ReportError::Io`] if it cannot be written.
+pub(super) fn write_archive(
+    path: &Path,
+    arrays: impl FnOnce(&mut Archive<'_>) -> io::Result<()>,
+) -> Result<(), ReportError> {
+    replace_file(path, |file| {
+        let mut archive = NpzWriter::new(file);
+        arrays(&mut archive)?;
+        archive.zip_writer().finish().map(drop).map_err(io::Error::from)
+    })
+}
+
+/// An archive in a file.
+pub(super) type Archive<'a> = NpzWriter<&'a mut Output<BufWriter<File>>>;
+
 /// An array of any shape, row by row.
-pub(super) fn write_array<W: Write + Seek, T: AutoSerialize>(
-    archive: &mut NpzWriter<W>,
+pub(super) fn write_array<T: AutoSerialize>(
+    archive: &mut Archive<'_>,
     name: &str,
     shape: &[usize],
     values: impl Iterator<Item = T>,
@@ -34,22 +57,18 @@ pub(super) fn write_array<W: Write + Seek, T: AutoSerialize>(
 }
 
 /// A list of numbers.
-pub(super) fn write_numbers<W: Write + Seek>(archive: &mut NpzWriter<W>, name: &str, values: &[f64]) -> io::Result<()> {
+pub(super) fn write_numbers(archive: &mut Archive<'_>, name: &str, values: &[f64]) -> io::Result<()> {
     write_array(archive, name, &[values.len()], values.iter().copied())
 }
 
 /// A list of numbers of points.
-pub(super) fn write_integers<W: Write + Seek>(
-    archive: &mut NpzWriter<W>,
-    name: &str,
-    values: &[usize],
-) -> io::Result<()> {
+pub(super) fn write_integers(archive: &mut Archive<'_>, name: &str, values: &[usize]) -> io::Result<()> {
     // Counts of points fit.
     write_array(archive, name, &[values.len()], values.iter().map(|value| *value as i64))
 }
 
 /// Texts of NumPy's fixed width, that of the longest.
-pub(super) fn write_texts<W: Write + Seek>(archive: &mut NpzWriter<W>, name: &str, texts: &[&str]) -> io::Result<()> {
+pub(super) fn write_texts(archive: &mut Archive<'_>, name: &str, texts: &[&str]) -> io::Result<()> {
     let longest = texts.iter().map(|text| text.chars().count()).max().unwrap_or(0).max(1);
     let text_type: TypeStr = format!("<U{longest}").parse().map_err(io::Error::other)?;
     let options = archive.array::<str>(name, stored())?;

@@ -1,11 +1,8 @@
-use super::archive::{write_array, write_numbers, write_texts};
+use super::archive::{write_archive, write_array, write_numbers, write_texts};
 use crate::ReportError;
 use crate::columns::Column;
-use crate::output::replace_file;
 use nlmodes_modal::{ModalBranch, ModalPoint};
-use npyz::npz::NpzWriter;
 use num_complex::Complex64;
-use std::io;
 use std::path::Path;
 
 /// Arrays of `harmonics.npz`.
@@ -35,17 +32,15 @@ pub const HARMONIC_ARRAYS: [Column; 4] = [
 /// file cannot be written.
 pub fn write_harmonics(path: impl AsRef<Path>, branch: &ModalBranch) -> Result<(), ReportError> {
     let width = common_width(branch)?;
-    replace_file(path.as_ref(), |file| {
-        let mut archive = NpzWriter::new(file);
+    write_archive(path.as_ref(), |archive| {
         let omega: Vec<f64> = branch.points.iter().map(|point| point.omega).collect();
-        write_numbers(&mut archive, "omega", &omega)?;
+        write_numbers(archive, "omega", &omega)?;
         let shape = [branch.points.len(), branch.coordinates.len(), width];
-        write_array(&mut archive, "coefficients", &shape, all_coefficients(branch, width))?;
+        write_array(archive, "coefficients", &shape, all_coefficients(branch, width))?;
         let positions: Vec<f64> = branch.coordinates.iter().map(|coordinate| coordinate.position).collect();
-        write_numbers(&mut archive, "dof_position_m", &positions)?;
+        write_numbers(archive, "dof_position_m", &positions)?;
         let kinds: Vec<&str> = branch.coordinates.iter().map(|coordinate| coordinate.kind.as_str()).collect();
-        write_texts(&mut archive, "dof_kind", &kinds)?;
-        archive.zip_writer().finish().map(drop).map_err(io::Error::from)
+        write_texts(archive, "dof_kind", &kinds)
     })
 }
 

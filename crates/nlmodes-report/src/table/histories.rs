@@ -1,12 +1,9 @@
-use std::io;
 use std::path::Path;
 
-use super::archive::{write_array, write_integers, write_numbers};
+use super::archive::{write_archive, write_array, write_integers, write_numbers};
 use crate::ReportError;
 use crate::columns::Column;
-use crate::output::replace_file;
 use nlmodes_modal::TimeHistory;
-use npyz::npz::NpzWriter;
 
 /// Arrays of `histories.npz`.
 pub const HISTORY_ARRAYS: [Column; 7] = [
@@ -95,14 +92,13 @@ impl PointHistories {
 pub fn write_histories(path: impl AsRef<Path>, histories: &PointHistories) -> Result<(), ReportError> {
     let [contacts, instants] = histories.shape()?;
     let points = histories.points.len();
-    replace_file(path.as_ref(), |file| {
-        let mut archive = NpzWriter::new(file);
-        write_integers(&mut archive, "point", &histories.points)?;
-        write_numbers(&mut archive, "stop_m", &histories.stops())?;
-        write_array(&mut archive, "time_s", &[points, instants], histories.times())?;
+    write_archive(path.as_ref(), |archive| {
+        write_integers(archive, "point", &histories.points)?;
+        write_numbers(archive, "stop_m", &histories.stops())?;
+        write_array(archive, "time_s", &[points, instants], histories.times())?;
         for (name, values) in SERIES {
-            write_array(&mut archive, name, &[points, contacts, instants], histories.series(values))?;
+            write_array(archive, name, &[points, contacts, instants], histories.series(values))?;
         }
-        archive.zip_writer().finish().map(drop).map_err(io::Error::from)
+        Ok(())
     })
 }

@@ -1,9 +1,6 @@
-use super::archive::{write_array, write_numbers};
+use super::archive::{write_archive, write_array, write_numbers};
 use crate::ReportError;
 use crate::columns::Column;
-use crate::output::replace_file;
-use npyz::npz::NpzWriter;
-use std::io;
 use std::path::Path;
 
 /// Arrays of `starts.npz`.
@@ -22,11 +19,9 @@ pub const START_ARRAYS: [Column; 2] = [
 /// # Errors
 /// [`ReportError::Io`] if the file cannot be written.
 pub fn write_starts(path: impl AsRef<Path>, omega: &[f64], displacement: &[Vec<f64>]) -> Result<(), ReportError> {
-    replace_file(path.as_ref(), |file| {
-        let mut archive = NpzWriter::new(file);
-        write_numbers(&mut archive, "omega", omega)?;
+    write_archive(path.as_ref(), |archive| {
+        write_numbers(archive, "omega", omega)?;
         let shape = [displacement.len(), displacement.first().map_or(0, Vec::len)];
-        write_array(&mut archive, "displacement", &shape, displacement.iter().flatten().copied())?;
-        archive.zip_writer().finish().map(drop).map_err(io::Error::from)
+        write_array(archive, "displacement", &shape, displacement.iter().flatten().copied())
     })
 }

@@ -1,11 +1,8 @@
-use std::io;
 use std::path::Path;
 
-use super::archive::{write_array, write_numbers, write_texts};
+use super::archive::{write_archive, write_array, write_numbers, write_texts};
 use crate::ReportError;
 use crate::columns::Column;
-use crate::output::replace_file;
-use npyz::npz::NpzWriter;
 
 /// Arrays of `transient.npz`.
 pub const TRANSIENT_ARRAYS: [Column; 10] = [
@@ -70,22 +67,20 @@ pub fn write_transient(path: impl AsRef<Path>, of: &TransientHistories) -> Resul
     let envelope = |part: usize| of.envelope.iter().flatten().map(move |window| window[part]);
     let middles: Vec<f64> = of.envelope.first().into_iter().flatten().map(|window| window[0]).collect();
     let places: Vec<&str> = of.places.iter().map(String::as_str).collect();
-    replace_file(path.as_ref(), |file| {
-        let mut archive = NpzWriter::new(file);
-        write_numbers(&mut archive, "time_s", &of.time)?;
-        write_texts(&mut archive, "place", &places)?;
+    write_archive(path.as_ref(), |archive| {
+        write_numbers(archive, "time_s", &of.time)?;
+        write_texts(archive, "place", &places)?;
         for (name, all, length) in [
             ("displacement_m", &of.displacement, instants),
             ("velocity_m_s", &of.velocity, instants),
             ("force_n", &of.force, instants),
             ("spectrum_m", &of.spectrum, of.frequency.len()),
         ] {
-            write_array(&mut archive, name, &[all.len(), length], all.iter().flatten().copied())?;
+            write_array(archive, name, &[all.len(), length], all.iter().flatten().copied())?;
         }
-        write_numbers(&mut archive, "envelope_time_s", &middles)?;
-        write_array(&mut archive, "envelope_max_m", &[of.envelope.len(), windows], envelope(1))?;
-        write_array(&mut archive, "envelope_min_m", &[of.envelope.len(), windows], envelope(2))?;
-        write_numbers(&mut archive, "spectrum_frequency_hz", &of.frequency)?;
-        archive.zip_writer().finish().map(drop).map_err(io::Error::from)
+        write_numbers(archive, "envelope_time_s", &middles)?;
+        write_array(archive, "envelope_max_m", &[of.envelope.len(), windows], envelope(1))?;
+        write_array(archive, "envelope_min_m", &[of.envelope.len(), windows], envelope(2))?;
+        write_numbers(archive, "spectrum_frequency_hz", &of.frequency)
     })
 }

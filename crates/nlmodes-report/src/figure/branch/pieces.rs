@@ -15,37 +15,37 @@ pub(in crate::figure) fn corners<'p>(points: impl IntoIterator<Item = &'p ModalP
 
 /// Stability of a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum State {
+pub(in crate::figure) enum State {
+    /// It is stable, or stability was not requested.
     Stable,
     Unstable,
     Unknown,
-    /// Stability is unknown for the whole branch.
-    NotJudged,
 }
 
 impl State {
-    pub fn of(point: &ModalPoint) -> Self {
-        match point.stability.and_then(|stability| stability.stable) {
-            Some(true) => Self::Stable,
+    /// Of a motion that is stable or not, if this is known, on a curve that was judged or not.
+    pub fn of(stable: Option<bool>, is_judged: bool) -> Self {
+        match stable {
             Some(false) => Self::Unstable,
-            None => Self::Unknown,
+            None if is_judged => Self::Unknown,
+            _ => Self::Stable,
         }
     }
 
     pub fn class(self) -> &'static str {
         match self {
-            Self::Stable | Self::NotJudged => "branch",
+            Self::Stable => "branch",
             Self::Unstable => "branch unstable",
             Self::Unknown => "branch stability-unknown",
         }
     }
 
-    /// Solid where stable, dotted where unstable; thin where unknown, if it is known for other points.
-    fn stroke(self, index: usize) -> Stroke {
+    /// A line as it is where stable, dotted where unstable; thin where unknown, if it is known for other points.
+    pub fn stroke(self, stroke: Stroke) -> Stroke {
         match self {
-            Self::Stable | Self::NotJudged => branch_stroke(index),
-            Self::Unstable => Stroke::short_dashed(palette::curve(index), 2.0),
-            Self::Unknown => Stroke::solid(palette::curve(index), 0.9),
+            Self::Stable => stroke,
+            Self::Unstable => Stroke::short_dashed(stroke.color, stroke.width),
+            Self::Unknown => Stroke::solid(stroke.color, 0.45 * stroke.width),
         }
     }
 }
@@ -61,7 +61,7 @@ pub(super) struct Piece<'p> {
 impl Piece<'_> {
     /// Line style as part of the branch with this number.
     pub fn stroke(&self, index: usize) -> Stroke {
-        let stroke = self.state.stroke(index);
+        let stroke = self.state.stroke(branch_stroke(index));
         if self.is_behind { Stroke { width: 0.5 * stroke.width, ..stroke } } else { stroke }
     }
 }
@@ -77,7 +77,8 @@ pub(super) fn pieces(points: &[ModalPoint]) -> Vec<Piece<'_>> {
         let holds = |start: usize, end: Option<usize>| start <= index && end.is_none_or(|end| index <= end);
         many && tongues.iter().any(|tongue| !tongue.skipped && holds(tongue.start, tongue.end))
     };
-    let look = |index: usize| (if judged { State::of(&points[index]) } else { State::NotJudged }, on_tongue(index));
+    let stable = |index: usize| points[index].stability.and_then(|stability| stability.stable);
+    let look = |index: usize| (State::of(stable(index), judged), on_tongue(index));
     let (mut found, mut start) = (Vec::new(), 0);
     let piece = |start: usize, end: usize| {
         let (state, is_behind) = look(start);
