@@ -42,6 +42,11 @@ impl Watch {
         })))
     }
 
+    /// Ends the computation once this is so.
+    pub fn until(is_over: impl Fn() -> bool + Send + Sync + 'static) -> Self {
+        Self::new(move |_, _| if is_over() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+    }
+
     /// Whether the computation was asked to end.
     pub fn has_ended(&self) -> bool {
         self.0.as_ref().is_some_and(|watching| watching.ended.load(Ordering::Relaxed))

@@ -122,3 +122,10 @@ pub struct ModalBranch {
     /// Why the branch ends.
     pub end: BranchEnd,
 }
+
+impl ModalBranch {
+    /// Points of whose motions nothing else is known.
+    pub fn of_points(label: impl Into<String>, points: Vec<ModalPoint>, end: BranchEnd) -> Self {
+        Self { label: label.into(), coordinates: Vec::new(), contact_coordinate: None, stop: None, points, end }
+    }
+}
