@@ -10,7 +10,7 @@ use std::time::Duration;
 use nlmodes_scene::SceneError;
 use nlmodes_scene::memory::Limit;
 use nlmodes_study::{
-    Collected, Counts, Evaluator, FitError, Settings, Shard, StudyError, StudyFile, StudyObserver, StudyProgress,
+    Collected, Counts, Evaluator, FitError, Settings, Shard, StudyError, StudyFile, StudyObserver, StudyOutcome,
 };
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -212,7 +212,7 @@ impl Study {
 struct Onlooker(Arc<Looking>);
 
 impl StudyObserver for Onlooker {
-    fn progress(&mut self, progress: &StudyProgress) {
+    fn progress(&mut self, progress: &StudyOutcome) {
         let mut text = Vec::new();
         text.extend(progress.rate().map(|rate| format!("{rate:.3} a second")));
         text.extend((progress.failed > 0).then(|| format!("{} failed", progress.failed)));

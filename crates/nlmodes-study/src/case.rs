@@ -3,13 +3,12 @@
 mod name;
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread;
 
 use nlmodes_scene::{SceneError, SceneFile, parse_each_method};
 use serde_json::Value;
 
 use crate::design::Points;
+use crate::parallel;
 use crate::study::Study;
 pub use name::hex;
 use name::id;
@@ -131,29 +130,8 @@ pub fn cases(study: &Study, threads: usize) -> Vec<Case> {
 /// Those of some points of the design, as of a shard: nothing is read of the others.
 pub fn cases_of(study: &Study, has: impl Fn(usize) -> bool + Sync, threads: usize) -> Vec<Case> {
     let points = Points::new(study);
-    let next = AtomicUsize::new(0);
-    let work = || {
-        let mut found = Vec::new();
-        loop {
-            let number = next.fetch_add(1, Ordering::Relaxed);
-            if number >= points.len() {
-                return found;
-            }
-            if has(number) {
-                found.push((number, of_point(study, number, &points.get(number))));
-            }
-        }
-    };
-    let mut all: Vec<(usize, Vec<Case>)> = thread::scope(|scope| {
-        let workers: Vec<_> = (1..threads.min(points.len())).map(|_| scope.spawn(work)).collect();
-        let mut all = work();
-        for worker in workers {
-            all.extend(worker.join().unwrap_or_default());
-        }
-        all
-    });
-    all.sort_by_key(|(number, _)| *number);
-    let mut cases: Vec<Case> = all.into_iter().flat_map(|(_, cases)| cases).collect();
+    let of = |number| if has(number) { of_point(study, number, &points.get(number)) } else { Vec::new() };
+    let mut cases = parallel::each(points.len(), threads, of).concat();
     cases.iter_mut().enumerate().for_each(|(number, case)| case.number = number);
     cases
 }
@@ -177,9 +155,6 @@ fn of_point(study: &Study, number: usize, point: &[Vec<Value>]) -> Vec<Case> {
             };
             parts.into_iter().enumerate().map(one).collect()
         }
-        Err(refused) => {
-            let errors = refused.diagnostics().iter().map(nlmodes_scene::Diagnostic::sentence);
-            vec![case(0, "", 0, Err(errors.collect::<Vec<_>>().join(" | ").into()))]
-        }
+        Err(refused) => vec![case(0, "", 0, Err(refused.sentence().into()))],
     }
 }

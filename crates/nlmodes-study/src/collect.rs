@@ -4,13 +4,12 @@ mod band;
 mod row;
 mod table;
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread;
-
+use serde::Serialize;
 use serde_json::Value;
 
 use crate::case::{Case, cases};
-use crate::first_order::{FirstOrder, Stored};
+use crate::first_order::{FirstOrder, stored};
+use crate::parallel;
 use crate::statistics::{Sample, Statistics};
 use crate::store::Store;
 use crate::study::Study;
@@ -23,7 +22,7 @@ pub use table::FIXED;
 const MOST_DRAWN: usize = 1500;
 
 /// Number of cases in each state.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct Counts {
     /// All.
     pub cases: usize,
@@ -75,8 +74,8 @@ impl Collected {
             })
             .collect();
         // What is in the store already, nothing is written.
-        let mut stored = Stored { study, store: &store };
-        let first_order = FirstOrder::of(study, &statistics, &mut stored).unwrap_or_default();
+        let mut there = |values: &[f64]| Ok(stored(study, &store, values));
+        let first_order = FirstOrder::of(study, &statistics, &mut there).unwrap_or_default();
         let drawn: Vec<Drawn> = rows.into_iter().flat_map(|row| row.drawn).collect();
         let band = Band::new(&drawn);
         Self { table, counts, statistics, first_order, drawn, band }
@@ -119,23 +118,5 @@ fn samples(cases: &[Case], rows: &[Row], k: usize) -> Vec<Sample> {
 
 fn rows(study: &Study, store: &Store, cases: &[Case], threads: usize) -> Vec<Row> {
     let every = cases.len().div_ceil(MOST_DRAWN).max(1);
-    let next = AtomicUsize::new(0);
-    let work = || {
-        let mut found = Vec::new();
-        loop {
-            let k = next.fetch_add(1, Ordering::Relaxed);
-            let Some(case) = cases.get(k) else { return found };
-            found.push((k, Row::read(study, store, case, k.is_multiple_of(every))));
-        }
-    };
-    let mut all: Vec<(usize, Row)> = thread::scope(|scope| {
-        let workers: Vec<_> = (1..threads.min(cases.len())).map(|_| scope.spawn(work)).collect();
-        let mut all = work();
-        for worker in workers {
-            all.extend(worker.join().unwrap_or_default());
-        }
-        all
-    });
-    all.sort_by_key(|(k, _)| *k);
-    all.into_iter().map(|(_, row)| row).collect()
+    parallel::each(cases.len(), threads, |k| Row::read(study, store, &cases[k], k.is_multiple_of(every)))
 }

@@ -2,6 +2,8 @@
 
 use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 
+use crate::design::Tolerance;
+
 /// A probability distribution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Distribution {
@@ -58,31 +60,20 @@ impl Distribution {
     }
 }
 
-/// Mean and standard deviation of a distribution, and the ends of the box that represents it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Moments {
-    /// The mean.
-    pub mean: f64,
-    /// The standard deviation.
-    pub std: f64,
-    /// Lower and upper end of the box.
-    pub ends: [f64; 2],
-}
-
 impl Distribution {
     /// Its moments; where it has no limits of its own, the box ends this many standard deviations from the mean, of the
     /// logarithm where that is the normal one.
-    pub fn moments(self, deviations: f64) -> Moments {
+    pub fn moments(self, deviations: f64) -> Tolerance {
         match self {
             Self::Uniform { low, high } => {
-                Moments { mean: 0.5 * (low + high), std: (high - low) / 12f64.sqrt(), ends: [low, high] }
+                Tolerance { mean: 0.5 * (low + high), std: (high - low) / 12f64.sqrt(), ends: [low, high] }
             }
             Self::LogUniform { low, high } => {
                 let span = (high / low).ln();
                 let mean = (high - low) / span;
                 // E[x²] − E[x]², without the difference of two numbers that hardly differ.
                 let square = mean * (0.5 * (low + high) - mean);
-                Moments { mean, std: square.max(0.0).sqrt(), ends: [low, high] }
+                Tolerance { mean, std: square.max(0.0).sqrt(), ends: [low, high] }
             }
             Self::Normal { mean, std, min, max } => {
                 let [a, b] = [min, max].map(|limit| (limit - mean) / std);
@@ -91,7 +82,7 @@ impl Distribution {
                 let weighted = |x: f64, density: f64| if x.is_finite() { x * density } else { 0.0 };
                 let moved = (at_a - at_b) / share;
                 let variance = 1.0 + (weighted(a, at_a) - weighted(b, at_b)) / share - moved * moved;
-                Moments {
+                Tolerance {
                     mean: mean + std * moved,
                     std: std * variance.max(0.0).sqrt(),
                     ends: [(mean - deviations * std).max(min), (mean + deviations * std).min(max)],
@@ -100,7 +91,7 @@ impl Distribution {
             Self::LogNormal { mean, std } => {
                 let variance = (std / mean).powi(2).ln_1p();
                 let at = |x: f64| (mean.ln() - 0.5 * variance + variance.sqrt() * x).exp();
-                Moments { mean, std, ends: [at(-deviations), at(deviations)] }
+                Tolerance { mean, std, ends: [at(-deviations), at(deviations)] }
             }
         }
     }

@@ -2,8 +2,6 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread;
-use std::time::Duration;
 
 use nlmodes_scene::assemble::Structures;
 use serde::Serialize;
@@ -12,12 +10,9 @@ use serde_json::{Map, Value};
 use crate::case::{Case, Resolved, resolve_set, setting};
 use crate::collect::{Row, State};
 use crate::error::StudyError;
-use crate::run::{Done, Settings, Worker};
+use crate::run::{Settings, Worker};
 use crate::store::Store;
 use crate::study::Study;
-
-/// Time between two checks of a case that another process is computing.
-const LOOK: Duration = Duration::from_millis(100);
 
 /// Result of a case.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -64,31 +59,15 @@ impl Evaluator {
                 Ok([resolved]) => resolved,
                 Err(_) => return Ok(Some(self.failed("the scene has several methods or numbers of harmonics"))),
             },
-            Err(refused) => {
-                let errors: Vec<String> =
-                    refused.diagnostics().iter().map(nlmodes_scene::Diagnostic::sentence).collect();
-                return Ok(Some(self.failed(&errors.join(" | "))));
-            }
+            Err(refused) => return Ok(Some(self.failed(&refused.sentence()))),
         };
-        let id = resolved.id.clone();
-        let store = Store::new(&self.study.directory);
-        let worker = Worker {
-            store: &store,
-            settings: &self.settings,
-            keep: self.study.keep,
-            ended: &self.ended,
-            structures: &self.structures,
-        };
-        while store.record(&id).is_none() {
-            if self.ended.load(Ordering::Relaxed) {
-                return Ok(None);
-            }
-            if worker.compute(resolved.clone())? == Done::Elsewhere {
-                thread::sleep(LOOK);
-            }
+        let Self { study, settings, ended, structures } = self;
+        if !(Worker { study, settings, ended, structures }).is_there(&resolved)? {
+            return Ok(None);
         }
-        let case = Case { number: 0, point: 0, part: 0, values: Vec::new(), method: "", harmonics: 0, id: Ok(id) };
-        Ok(Some(self.answer(&case, Row::read(&self.study, &store, &case, false))))
+        let id = Ok(resolved.id);
+        let case = Case { number: 0, point: 0, part: 0, values: Vec::new(), method: "", harmonics: 0, id };
+        Ok(Some(self.answer(&case, Row::read(study, &Store::new(&study.directory), &case, false))))
     }
 
     /// The `--set` argument for a name and its value.

@@ -13,17 +13,9 @@ const MOST: usize = 60;
 const GROUPS: usize = 24;
 const OF_GROUP: usize = 20;
 
-/// A figure and the name of its file.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Named {
-    /// Name of the file.
-    pub file: String,
-    /// The SVG document.
-    pub svg: String,
-}
-
-/// Each quantity over each numerical variable; those without any value are omitted.
-pub fn figures(study: &Study, collected: &Collected) -> Vec<Named> {
+/// Each quantity over each numerical variable, as the name of its file and an SVG document; those without any value are
+/// omitted.
+pub fn figures(study: &Study, collected: &Collected) -> Vec<(String, String)> {
     let numbers = |name: &str| collected.table.column(name).and_then(Cells::numbers).unwrap_or_default();
     let mut figures = Vec::new();
     for quantity in &study.quantities {
@@ -35,7 +27,7 @@ pub fn figures(study: &Study, collected: &Collected) -> Vec<Named> {
             if let Some(svg) = figure(&study.title, &variable.name, &quantity.label(), &points)
                 && figures.len() < MOST
             {
-                figures.push(Named { file, svg });
+                figures.push((file, svg));
             }
         }
     }

@@ -17,7 +17,7 @@ mod stored;
 pub use corner::Corner;
 pub use limit::Kept;
 pub use spread::{Compared, Effect};
-pub use stored::{Stored, read, resolved};
+pub use stored::{read, resolved, stored};
 
 use serde::Serialize;
 
@@ -75,14 +75,11 @@ pub enum Further {
     Failed(String),
 }
 
-/// Where further cases come from, by the values of the variables: from the store, or computed.
-pub trait Cases {
-    /// The case with these values, differentiated.
-    ///
-    /// # Errors
-    /// [`StudyError`] where it cannot be written.
-    fn at(&mut self, values: &[f64]) -> Result<Further, StudyError>;
-}
+/// What comes of the case with these values of the variables, in their order.
+///
+/// # Errors
+/// [`StudyError`] if it cannot be written.
+pub type Cases<'a> = dyn FnMut(&[f64]) -> Result<Further, StudyError> + 'a;
 
 /// The study with its tolerances, at which things are computed.
 pub struct Within<'a> {
@@ -106,7 +103,7 @@ impl FirstOrder {
     ///
     /// # Errors
     /// [`StudyError`] where a case cannot be written.
-    pub fn of(study: &Study, statistics: &[Statistics], cases: &mut dyn Cases) -> Result<Option<Self>, StudyError> {
+    pub fn of(study: &Study, statistics: &[Statistics], cases: &mut Cases<'_>) -> Result<Option<Self>, StudyError> {
         if !study.design.first_order {
             return Ok(None);
         }
@@ -117,7 +114,7 @@ impl FirstOrder {
             Err(reason) => return none(reason),
         };
         let means: Vec<f64> = tolerances.iter().map(|tolerance| tolerance.mean).collect();
-        let (id, curve) = match cases.at(&means)? {
+        let (id, curve) = match cases(&means)? {
             Further::Found { id, curve } => (id, curve),
             Further::Missing => return none("the case with the means is not computed yet".to_owned()),
             Further::Failed(reason) => return none(reason),
@@ -146,7 +143,7 @@ impl Within<'_> {
         quantity: &Quantity,
         curve: &Curve,
         statistics: Option<&Statistics>,
-        cases: &mut dyn Cases,
+        cases: &mut Cases<'_>,
     ) -> Result<OfQuantity, StudyError> {
         let value = self.value(quantity, curve);
         let mut of = OfQuantity {

@@ -16,19 +16,14 @@ pub use error::FitError;
 pub use outcome::{FitOutcome, Fitted, FittedRow};
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread;
-use std::time::Duration;
+use std::sync::atomic::AtomicBool;
 
 use nlmodes::least_squares::{SearchError, SearchSettings, least_squares};
 use nlmodes_scene::assemble::Structures;
 
-use crate::run::{Computing, Settings, StudyObserver};
+use crate::run::{Settings, StudyObserver, Worker, watched};
 use crate::study::Study;
 use model::Trials;
-
-/// Time between two checks for a requested end.
-const LOOK: Duration = Duration::from_millis(50);
 
 /// Changes of the variables in one step at most, and at the end, over their values at the start: what is left of them
 /// is far below what any measurement says.
@@ -41,20 +36,11 @@ const SEARCH: SearchSettings =
 /// [`FitError`].
 pub fn fit(study: &Study, settings: &Settings, observer: &mut dyn StudyObserver) -> Result<FitOutcome, FitError> {
     let (ended, structures) = (Arc::new(AtomicBool::new(false)), Structures::within(settings.limit()));
-    let mut cases = Computing { study, settings, ended: &ended, structures: &structures };
-    thread::scope(|scope| {
-        let computing = scope.spawn(|| found(study, &mut cases));
-        while !computing.is_finished() {
-            if observer.is_cancelled() {
-                ended.store(true, Ordering::Relaxed);
-            }
-            thread::sleep(LOOK);
-        }
-        computing.join().unwrap_or(Err(FitError::Ended))
-    })
+    let cases = Worker { study, settings, ended: &ended, structures: &structures };
+    watched(&ended, observer, || found(study, &cases)).unwrap_or(Err(FitError::Ended))
 }
 
-fn found(study: &Study, cases: &mut Computing<'_>) -> Result<FitOutcome, FitError> {
+fn found(study: &Study, cases: &Worker<'_>) -> Result<FitOutcome, FitError> {
     let measured = study.fit.as_ref().ok_or(FitError::NothingMeasured)?;
     let mut trials = Trials::new(study, measured, cases)?;
     let (points, parameters) = (trials.n_points(), study.variables.len());

@@ -83,6 +83,7 @@ mod figures;
 mod first_order;
 mod fit;
 mod page;
+mod parallel;
 mod raw;
 mod read;
 pub mod run;
@@ -97,14 +98,14 @@ mod write;
 
 pub use collect::{Band, Collected, Counts, Drawn, State, status};
 pub use curve::{Curve, CurveError, ENERGY_RATIO, Level, Picked, pick};
-pub use design::Points;
-pub use distribution::{Distribution, Moments};
+pub use design::{Points, Tolerance};
+pub use distribution::Distribution;
 pub use error::StudyError;
 pub use evaluate::{Answer, Evaluator};
 pub use first_order::{Compared, Corner, Effect, FirstOrder, Kept, OfQuantity};
 pub use fit::{FitError, FitOutcome, Fitted, FittedRow, fit};
 pub use read::{StudyFile, schema};
-pub use run::{Settings, Shard, StudyObserver, StudyOutcome, StudyProgress, run};
+pub use run::{Settings, Shard, StudyObserver, StudyOutcome, run};
 pub use serve::serve;
 pub use statistics::{
     Correlation, Expansion, Sensitivity, SobolIndex, Spread, Statistics, quantile, rank_correlation, sobol_indices,

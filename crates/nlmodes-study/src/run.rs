@@ -1,6 +1,5 @@
 //! Computation of missing cases, one branch per thread.
 
-mod further;
 mod outcome;
 mod settings;
 mod worker;
@@ -20,8 +19,7 @@ use crate::error::StudyError;
 use crate::first_order::FirstOrder;
 use crate::store::{Status, Store};
 use crate::study::Study;
-pub use further::Computing;
-pub use outcome::{StudyObserver, StudyOutcome, StudyProgress};
+pub use outcome::{StudyObserver, StudyOutcome};
 pub use settings::{Settings, Shard};
 pub(crate) use worker::{Done, Worker};
 
@@ -48,17 +46,10 @@ pub fn run(study: &Study, settings: &Settings, observer: &mut dyn StudyObserver)
     let mut outcome = StudyOutcome::new(&all);
     let waiting = waiting(&all, &store, settings, &mut outcome)?;
     let points = Points::new(study);
-    let shared = Shared {
-        study,
-        points: &points,
-        store: &store,
-        settings,
-        waiting: &waiting,
-        next: AtomicUsize::new(0),
-        ended: Arc::default(),
-        structures: Structures::within(settings.limit()),
-    };
-    observer.progress(&outcome.progress(Duration::ZERO));
+    let (ended, structures) = (Arc::default(), Structures::within(settings.limit()));
+    let worker = || Worker { study, settings, ended: &ended, structures: &structures };
+    let shared = Shared { worker: worker(), points: &points, waiting: &waiting, next: AtomicUsize::new(0) };
+    observer.progress(&outcome);
     let began = Instant::now();
     let failure = Mutex::new(None);
     thread::scope(|scope| {
@@ -72,13 +63,14 @@ pub fn run(study: &Study, settings: &Settings, observer: &mut dyn StudyObserver)
             match receiver.recv_timeout(LOOK) {
                 Ok(done) => {
                     outcome.take(&done);
-                    observer.progress(&outcome.progress(began.elapsed()));
+                    outcome.wall_time = began.elapsed();
+                    observer.progress(&outcome);
                 }
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => break,
             }
             if observer.is_cancelled() {
-                shared.ended.store(true, Ordering::Relaxed);
+                ended.store(true, Ordering::Relaxed);
             }
         }
     });
@@ -86,60 +78,61 @@ pub fn run(study: &Study, settings: &Settings, observer: &mut dyn StudyObserver)
         return Err(error);
     }
     // The cases that follow from gradients, by whoever has the first one.
-    if settings.shard.has(0) && !shared.ended.load(Ordering::Relaxed) {
-        let (ended, structures) = (&shared.ended, &shared.structures);
-        let mut cases = Computing { study, settings, ended, structures };
-        thread::scope(|scope| {
-            let computing = scope.spawn(|| FirstOrder::of(study, &[], &mut cases));
-            while !computing.is_finished() {
-                if observer.is_cancelled() {
-                    ended.store(true, Ordering::Relaxed);
-                }
-                thread::sleep(LOOK);
-            }
-            // A case that panics is a row with its reason.
-            computing.join().unwrap_or(Ok(None))
-        })?;
+    if settings.shard.has(0) && !ended.load(Ordering::Relaxed) {
+        let first_order = || FirstOrder::of(study, &[], &mut |values| worker().at(values));
+        // A case that panics is a row with its reason.
+        watched(&ended, observer, first_order).unwrap_or(Ok(None))?;
     }
-    outcome.is_cut_off = shared.ended.load(Ordering::Relaxed);
+    outcome.is_cut_off = ended.load(Ordering::Relaxed);
     outcome.wall_time = began.elapsed();
     Ok(outcome)
 }
 
 /// Data shared by all workers.
 struct Shared<'a> {
-    study: &'a Study,
+    worker: Worker<'a>,
     points: &'a Points<'a>,
-    store: &'a Store,
-    settings: &'a Settings,
     waiting: &'a [&'a Case],
     next: AtomicUsize,
-    ended: Arc<AtomicBool>,
-    structures: Structures,
+}
+
+/// Does this work, and notes meanwhile whether its end is requested.
+///
+/// # Errors
+/// If it panics.
+pub(crate) fn watched<T: Send>(
+    ended: &AtomicBool,
+    observer: &dyn StudyObserver,
+    work: impl FnOnce() -> T + Send,
+) -> thread::Result<T> {
+    thread::scope(|scope| {
+        let computing = scope.spawn(work);
+        while !computing.is_finished() {
+            if observer.is_cancelled() {
+                ended.store(true, Ordering::Relaxed);
+            }
+            thread::sleep(LOOK);
+        }
+        computing.join()
+    })
 }
 
 /// Computes one case after the other until none is left, the end is requested, or the disk is full.
 fn work(shared: &Shared<'_>, sender: &mpsc::Sender<Done>, failure: &Mutex<Option<StudyError>>) {
     let _core = nlmodes::linalg::Worker::new();
-    let worker = Worker {
-        store: shared.store,
-        settings: shared.settings,
-        keep: shared.study.keep,
-        ended: &shared.ended,
-        structures: &shared.structures,
-    };
-    while !shared.ended.load(Ordering::Relaxed) {
+    let Worker { study, ended, .. } = shared.worker;
+    while !ended.load(Ordering::Relaxed) {
         let Some(case) = shared.waiting.get(shared.next.fetch_add(1, Ordering::Relaxed)) else { return };
-        let parts = resolve(shared.study, &shared.points.get(case.point));
+        let parts = resolve(study, &shared.points.get(case.point));
         // It was valid when its name was computed.
         let Some(resolved) = parts.ok().and_then(|parts| parts.into_iter().nth(case.part)) else { continue };
-        match worker.compute(resolved) {
+        match shared.worker.compute(resolved) {
             Ok(done) => {
                 // There is no receiver if the study ends.
                 let _ = sender.send(done);
             }
             Err(error) => {
-                shared.ended.store(true, Ordering::Relaxed);
+                ended.store(true, Ordering::Relaxed);
                 failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
             }
         }

@@ -9,7 +9,7 @@ use std::time::Duration;
 use nlmodes_scene::number;
 
 use crate::collect::Counts;
-use crate::run::{StudyOutcome, StudyProgress};
+use crate::run::StudyOutcome;
 use crate::statistics::{Expansion, Statistics};
 
 /// A line for each state.
@@ -103,17 +103,14 @@ impl Display for StudyOutcome {
     }
 }
 
-/// Progress, rate and estimated end, in one line.
-impl Display for StudyProgress {
-    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        write!(f, "{} of {} cases", self.there + self.computed, self.cases)?;
-        if self.failed > 0 {
-            write!(f, ", {} failed", self.failed)?;
-        }
-        match (self.rate(), self.rest()) {
-            (Some(rate), Some(rest)) => write!(f, ", {rate:.1} a second, {} left", duration(rest)),
-            _ => Ok(()),
-        }
+impl StudyOutcome {
+    /// Progress, rate and estimated end while it is computed, in one line.
+    pub fn progress(&self) -> String {
+        let failed = if self.failed > 0 { format!(", {} failed", self.failed) } else { String::new() };
+        let rest = self.rate().zip(self.rest());
+        let rest = rest.map(|(rate, rest)| format!(", {rate:.1} a second, {} left", duration(rest)));
+        let (done, all) = (self.there + self.computed, self.to_compute());
+        format!("{done} of {all} cases{failed}{}", rest.unwrap_or_default())
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use crate::collect::Collected;
+use crate::collect::{Collected, Counts};
 use crate::error::StudyError;
 use crate::figures::figures;
 use crate::first_order::FirstOrder;
@@ -21,12 +21,8 @@ struct Summary<'a> {
     title: &'a str,
     scene: &'a str,
     design: &'static str,
-    cases: usize,
-    complete: usize,
-    incomplete: usize,
-    failed: usize,
-    missing: usize,
-    damaged: usize,
+    #[serde(flatten)]
+    counts: Counts,
     statistics: &'a [Statistics],
     #[serde(skip_serializing_if = "Option::is_none")]
     first_order: Option<&'a FirstOrder>,
@@ -47,7 +43,7 @@ impl Collected {
         let tables = tables.iter().map(|(name, bytes)| (*name, bytes.as_slice()));
         let others: [(&str, &[u8]); 2] = [("study.json", &summary), ("report.html", page.as_bytes())];
         let figures = figures(study, self);
-        let drawn = figures.iter().map(|figure| (figure.file.as_str(), figure.svg.as_bytes()));
+        let drawn = figures.iter().map(|(file, svg)| (file.as_str(), svg.as_bytes()));
         tables.chain(others).chain(drawn).try_for_each(|(name, bytes)| {
             let path = directory.join(name);
             replace(&path, bytes).map_err(StudyError::io(&path))
@@ -68,19 +64,13 @@ impl Collected {
     }
 
     fn summary<'a>(&'a self, study: &'a Study) -> Summary<'a> {
-        let counts = self.counts;
         Summary {
             program: "nlmodes-cli",
             version: env!("CARGO_PKG_VERSION"),
             title: &study.title,
             scene: &study.scene_name,
             design: study.design.kind.name(),
-            cases: counts.cases,
-            complete: counts.complete,
-            incomplete: counts.incomplete,
-            failed: counts.failed,
-            missing: counts.missing,
-            damaged: counts.damaged,
+            counts: self.counts,
             statistics: &self.statistics,
             first_order: self.first_order.as_ref(),
         }

@@ -1,10 +1,10 @@
 //! `nlmodes-cli study fit`.
 
 use clap::Args;
-use nlmodes_run::Silent;
 use nlmodes_scene::memory;
-use nlmodes_study::{FitError, Settings, StudyObserver, StudyProgress, fit};
+use nlmodes_study::{FitError, Settings, fit};
 
+use super::run::Watch;
 use super::{Place, refused, shown};
 use crate::terminal::print;
 use crate::{Status, interrupt};
@@ -22,26 +22,13 @@ pub struct Arguments {
     quiet: bool,
 }
 
-/// Ends a fit with Ctrl-C.
-struct Watch;
-
-impl StudyObserver for Watch {
-    fn progress(&mut self, progress: &StudyProgress) {
-        Silent.progress(progress);
-    }
-
-    fn is_cancelled(&self) -> bool {
-        interrupt::requested()
-    }
-}
-
 /// Fits the variables, and writes what was found.
 pub fn run(arguments: &Arguments) -> Status {
     arguments.place.with(|study| {
         interrupt::install();
         interrupt::something_found();
         let settings = Settings { memory_limit: arguments.memory_limit, ..Settings::default() };
-        let found = match fit(study, &settings, &mut Watch) {
+        let found = match fit(study, &settings, &mut Watch::new(true)) {
             Ok(found) => found,
             Err(FitError::Study(error)) => return refused(&error),
             Err(error) => {

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use indicatif::ProgressBar;
 use nlmodes_scene::memory;
-use nlmodes_study::{Settings, Shard, Study, StudyObserver, StudyOutcome, StudyProgress};
+use nlmodes_study::{Settings, Shard, Study, StudyObserver, StudyOutcome};
 
 use super::{Place, collect, refused};
 use crate::progress::bar;
@@ -96,14 +96,14 @@ fn told(study: &Study, arguments: &Arguments, settings: &Settings, outcome: &Stu
 }
 
 /// An updated line on a terminal, plain lines elsewhere.
-struct Watch {
+pub(super) struct Watch {
     bar: Option<ProgressBar>,
     plain: bool,
     last: Option<Instant>,
 }
 
 impl Watch {
-    fn new(quiet: bool) -> Self {
+    pub(super) fn new(quiet: bool) -> Self {
         let terminal = moves();
         Self { bar: (!quiet && terminal).then(|| bar("[{bar:20}] {msg}", 1)), plain: !quiet && !terminal, last: None }
     }
@@ -114,14 +114,14 @@ impl Watch {
 }
 
 impl StudyObserver for Watch {
-    fn progress(&mut self, progress: &StudyProgress) {
+    fn progress(&mut self, outcome: &StudyOutcome) {
         if let Some(bar) = &self.bar {
-            bar.set_length(progress.cases as u64);
-            bar.set_position((progress.there + progress.computed) as u64);
-            bar.set_message(progress.to_string());
+            bar.set_length(outcome.to_compute() as u64);
+            bar.set_position((outcome.there + outcome.computed) as u64);
+            bar.set_message(outcome.progress());
         } else if self.plain && self.last.is_none_or(|last| last.elapsed() >= PLAIN_INTERVAL) {
             self.last = Some(Instant::now());
-            say!("{progress}");
+            say!("{}", outcome.progress());
         }
     }
 

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use nlmodes_scene::{Diagnostic, Diagnostics};
 
+use super::list::table;
 use crate::curve::DIFFERENTIATED;
 use crate::raw::RawFit;
 use crate::study::{Measured, MeasuredColumn, Selected};
@@ -92,20 +93,13 @@ struct Table {
 
 impl Table {
     fn read(path: &Path) -> Result<Self, String> {
-        let mut table =
-            csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(path).map_err(|error| error.to_string())?;
-        let header = table.headers().map_err(|error| error.to_string())?.iter().map(str::to_owned).collect();
-        let mut rows = Vec::new();
-        for row in table.records() {
-            let row = row.map_err(|error| error.to_string())?;
-            let number = |cell: &str| cell.parse::<f64>().ok().filter(|value| value.is_finite());
-            rows.push(row.iter().map(number).collect());
-        }
+        let (header, rows) = table(path).map_err(|error| error.to_string())?;
         if rows.is_empty() {
-            Err("expected a header, and a row for each point".to_owned())
-        } else {
-            Ok(Self { header, rows })
+            return Err("expected a header, and a row for each point".to_owned());
         }
+        let number = |cell: &str| cell.parse::<f64>().ok().filter(|value| value.is_finite());
+        let rows = rows.iter().map(|row| row.iter().map(number).collect()).collect();
+        Ok(Self { header: header.iter().map(str::to_owned).collect(), rows })
     }
 
     fn column(&self, name: &str) -> Option<Vec<Option<f64>>> {

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use csv::StringRecord;
 use nlmodes_scene::{Diagnostic, Diagnostics};
 use serde_json::Value;
 
@@ -32,15 +33,10 @@ pub fn variables(
 }
 
 fn read(path: &Path) -> Result<Vec<Variable>, String> {
-    let mut table =
-        csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(path).map_err(|error| error.to_string())?;
-    let header = table.headers().map_err(|error| error.to_string())?.clone();
+    let (header, rows) = table(path).map_err(|error| error.to_string())?;
     let mut columns: Vec<Vec<Vec<Value>>> = vec![Vec::new(); header.len()];
-    for row in table.records() {
-        let row = row.map_err(|error| error.to_string())?;
-        for (column, cell) in columns.iter_mut().zip(&row) {
-            column.push(vec![value(cell)]);
-        }
+    for row in &rows {
+        columns.iter_mut().zip(row).for_each(|(column, cell)| column.push(vec![value(cell)]));
     }
     if columns.first().is_none_or(Vec::is_empty) {
         return Err("expected a header with keys, and a row a case".into());
@@ -54,6 +50,12 @@ fn read(path: &Path) -> Result<Vec<Variable>, String> {
         values: Values::Listed(values),
     };
     Ok(header.iter().zip(columns).map(variable).collect())
+}
+
+/// The header of a file and its rows, cells without blanks around them.
+pub(super) fn table(path: &Path) -> Result<(StringRecord, Vec<StringRecord>), csv::Error> {
+    let mut table = csv::ReaderBuilder::new().trim(csv::Trim::All).from_path(path)?;
+    Ok((table.headers()?.clone(), table.records().collect::<Result<_, _>>()?))
 }
 
 /// A number if it is one, otherwise text.

@@ -54,15 +54,6 @@ impl Drawn {
         };
         self.x.windows(2).zip(self.y.windows(2)).filter_map(chord)
     }
-
-    /// Frequency where the energy is first reached.
-    fn at(&self, ratio: f64) -> Option<f64> {
-        let holds = |w: &[f64]| (w[0] <= ratio && ratio <= w[1]) || (w[1] <= ratio && ratio <= w[0]);
-        let k = self.x.windows(2).position(holds)?;
-        let (x, y) = (&self.x[k..k + 2], &self.y[k..k + 2]);
-        let share = if x[1] == x[0] { 0.0 } else { (ratio - x[0]) / (x[1] - x[0]) };
-        Some(y[0] + share * (y[1] - y[0]))
-    }
 }
 
 /// Percentiles of what is drawn: of branches at energies, of those that reach them first from below; of responses those
@@ -93,15 +84,7 @@ impl Band {
         let mut band = Self::default();
         for k in 0..PLACES {
             let ratio = low * (high / low).powf(k as f64 / (PLACES - 1) as f64);
-            let mut found: Vec<f64> = drawn.iter().filter_map(|drawn| drawn.at(ratio)).collect();
-            if 2 * found.len() < drawn.len().max(2) {
-                continue;
-            }
-            found.sort_by(f64::total_cmp);
-            band.x.push(ratio);
-            for (line, share) in band.y.iter_mut().zip(SHARES) {
-                line.push(quantile(&found, share));
-            }
+            band.take(ratio, drawn.iter().filter_map(|drawn| drawn.all_at(ratio).next()).collect(), drawn.len());
         }
         band
     }
@@ -119,21 +102,25 @@ impl Band {
                 let own = drawn.iter().filter(|one| one.case == *case);
                 own.flat_map(|one| one.all_at(x)).reduce(f64::max)
             };
-            let mut found: Vec<f64> = cases.iter().filter_map(of).collect();
-            if 2 * found.len() < cases.len().max(2) {
-                continue;
-            }
-            found.sort_by(f64::total_cmp);
-            band.x.push(x);
-            for (line, share) in band.y.iter_mut().zip(SHARES) {
-                line.push(quantile(&found, share));
-            }
-            if let (Some([least, most]), Some(first), Some(last)) = (&mut band.envelope, found.first(), found.last()) {
-                least.push(*first);
-                most.push(*last);
-            }
+            band.take(x, cases.iter().filter_map(of).collect(), cases.len());
         }
         band
+    }
+
+    /// Takes what so many curves have at a place, unless fewer than half of them reach it.
+    fn take(&mut self, x: f64, mut found: Vec<f64>, of: usize) {
+        if 2 * found.len() < of.max(2) {
+            return;
+        }
+        found.sort_by(f64::total_cmp);
+        self.x.push(x);
+        for (line, share) in self.y.iter_mut().zip(SHARES) {
+            line.push(quantile(&found, share));
+        }
+        if let (Some([least, most]), Some(first), Some(last)) = (&mut self.envelope, found.first(), found.last()) {
+            least.push(*first);
+            most.push(*last);
+        }
     }
 }
 

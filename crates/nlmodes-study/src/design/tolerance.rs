@@ -23,10 +23,7 @@ impl Tolerance {
     pub fn of(variable: &Variable, design: &Design) -> Result<Self, String> {
         let name = &variable.name;
         let values = match &variable.values {
-            Values::Drawn(distribution) => {
-                let moments = distribution.moments(design.box_deviations);
-                return Ok(Self { mean: moments.mean, std: moments.std, ends: moments.ends });
-            }
+            Values::Drawn(distribution) => return Ok(distribution.moments(design.box_deviations)),
             Values::Listed(values) => values,
         };
         if values.iter().any(|row| row.iter().any(|value| *value != row[0])) {

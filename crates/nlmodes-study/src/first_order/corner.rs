@@ -41,7 +41,7 @@ pub fn ends(within: &Within<'_>, slope: &Slope, grows: bool) -> Vec<f64> {
 pub fn both(
     within: &Within<'_>,
     (quantity, slope): (&Quantity, &Slope),
-    cases: &mut dyn Cases,
+    cases: &mut Cases<'_>,
 ) -> Result<Vec<Corner>, StudyError> {
     let mut corners = Vec::new();
     for (which, grows) in [("largest", true), ("smallest", false)] {
@@ -56,7 +56,7 @@ pub fn both(
             reason: String::new(),
             case: String::new(),
         };
-        match cases.at(&at)? {
+        match cases(&at)? {
             Further::Missing => corner.reason = "not computed yet".to_owned(),
             Further::Failed(reason) => corner.reason = reason,
             Further::Found { id, curve } => {

@@ -39,7 +39,7 @@ pub fn kept(
     within: &Within<'_>,
     (quantity, slope): (&Quantity, &Slope),
     corners: &[Corner],
-    cases: &mut dyn Cases,
+    cases: &mut Cases<'_>,
 ) -> Result<Option<Kept>, StudyError> {
     let Some(limit) = quantity.limit else { return Ok(None) };
     let grows = matches!(limit, Limit::AtMost(_));
@@ -89,7 +89,7 @@ impl Within<'_> {
         &self,
         quantity: &Quantity,
         (mean, corner, end): (f64, f64, &[f64]),
-        cases: &mut dyn Cases,
+        cases: &mut Cases<'_>,
         kept: &mut Kept,
     ) -> Result<(), StudyError> {
         let Some(limit) = quantity.limit else { return Ok(()) };
@@ -101,7 +101,7 @@ impl Within<'_> {
         for _ in 0..MOST {
             let share = low.0 - low.1 * (high.0 - low.0) / (high.1 - low.1);
             let at: Vec<f64> = end.iter().zip(&self.tolerances).map(|(x, t)| t.mean + share * (x - t.mean)).collect();
-            let value = match cases.at(&at)? {
+            let value = match cases(&at)? {
                 Further::Found { curve, .. } => self.value(quantity, &curve),
                 Further::Missing => {
                     kept.reason = "not computed yet".to_owned();

@@ -1,29 +1,18 @@
 //! Further cases of a study from its store.
 
-use nlmodes_scene::Diagnostic;
 use serde_json::Value;
 
-use super::{Cases, Further};
+use super::Further;
 use crate::case::{Resolved, overrides, resolve_differentiated};
 use crate::curve::Curve;
-use crate::error::StudyError;
 use crate::store::{Status, Store};
 use crate::study::Study;
 
-/// Cases that are in the store.
-pub struct Stored<'a> {
-    /// The study.
-    pub study: &'a Study,
-    /// Its store.
-    pub store: &'a Store,
-}
-
-impl Cases for Stored<'_> {
-    fn at(&mut self, values: &[f64]) -> Result<Further, StudyError> {
-        Ok(match resolved(self.study, values) {
-            Ok(case) => read(self.store, &case.id),
-            Err(reason) => Further::Failed(reason),
-        })
+/// What the store has of the case with these values.
+pub fn stored(study: &Study, store: &Store, values: &[f64]) -> Further {
+    match resolved(study, values) {
+        Ok(case) => read(store, &case.id),
+        Err(reason) => Further::Failed(reason),
     }
 }
 
@@ -34,10 +23,7 @@ impl Cases for Stored<'_> {
 pub fn resolved(study: &Study, values: &[f64]) -> Result<Resolved, String> {
     let keys = study.variables.iter().zip(values);
     let point: Vec<Vec<Value>> = keys.map(|(one, value)| vec![Value::from(*value); one.keys.len()]).collect();
-    let parts = resolve_differentiated(study, overrides(study, &point)).map_err(|refused| {
-        let all: Vec<String> = refused.diagnostics().iter().map(Diagnostic::sentence).collect();
-        all.join(" | ")
-    })?;
+    let parts = resolve_differentiated(study, overrides(study, &point)).map_err(|refused| refused.sentence())?;
     let one = <[Resolved; 1]>::try_from(parts);
     one.map(|[resolved]| resolved).map_err(|_| "the scene has several methods or numbers of harmonics".to_owned())
 }

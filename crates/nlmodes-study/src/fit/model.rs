@@ -3,14 +3,13 @@
 use std::collections::HashMap;
 
 use nlmodes::least_squares::Residuals;
-use nlmodes_scene::Diagnostic;
 
 use super::FitError;
 use crate::case::resolve_differentiated;
 use crate::curve::{Curve, Picked, derivatives, pick};
 use crate::design::Tolerance;
-use crate::first_order::{Cases, Further};
-use crate::run::Computing;
+use crate::first_order::Further;
+use crate::run::Worker;
 use crate::study::{Measured, Of, Place, Quantity, Study};
 
 /// A measured number as a quantity of the curve.
@@ -35,7 +34,7 @@ pub struct Trial {
 /// The curves with trial values, which are over those at the start.
 pub struct Trials<'a, 'b> {
     study: &'a Study,
-    cases: &'a mut Computing<'b>,
+    cases: &'a Worker<'b>,
     pub points: Vec<Point>,
     pub start: Vec<f64>,
     /// Those that were computed, by the bits of their values.
@@ -46,7 +45,7 @@ pub struct Trials<'a, 'b> {
 
 impl<'a, 'b> Trials<'a, 'b> {
     /// Of the measured points of a study.
-    pub fn new(study: &'a Study, measured: &Measured, cases: &'a mut Computing<'b>) -> Result<Self, FitError> {
+    pub fn new(study: &'a Study, measured: &Measured, cases: &'a Worker<'b>) -> Result<Self, FitError> {
         let mut points = Vec::new();
         for column in &measured.columns {
             for (place, cell) in measured.places.iter().zip(&column.cells) {
@@ -134,10 +133,8 @@ impl Residuals for Trials<'_, '_> {
 
 /// Where the variables begin: at their means or, where none are given, at the values of the scene.
 fn start(study: &Study) -> Result<Vec<f64>, FitError> {
-    let parts = resolve_differentiated(study, Vec::new()).map_err(|refused| {
-        let reasons: Vec<String> = refused.diagnostics().iter().map(Diagnostic::sentence).collect();
-        FitError::Start { reason: reasons.join(" | ") }
-    })?;
+    let parts =
+        resolve_differentiated(study, Vec::new()).map_err(|refused| FitError::Start { reason: refused.sentence() })?;
     let written = |key: &str| {
         let own = parts.first()?.file.scene.sensitivities.iter().find(|own| own.key == key)?;
         Some(own.value)

@@ -1,8 +1,8 @@
 //! What gradients say, as a section of the page.
 
+use nlmodes::report::escape;
 use nlmodes_scene::number;
 
-use super::escape;
 use crate::first_order::{Effect, FirstOrder, OfQuantity};
 use crate::store::Store;
 

@@ -1,8 +1,8 @@
 //! Parts of the page without script.
 
+use nlmodes::report::escape;
 use nlmodes_scene::number;
 
-use super::escape;
 use crate::collect::Collected;
 use crate::statistics::Statistics;
 use crate::study::Study;

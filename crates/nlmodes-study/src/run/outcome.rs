@@ -6,40 +6,10 @@ use super::worker::Done;
 use crate::case::Case;
 use crate::store::Status;
 
-/// Progress of a study.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StudyProgress {
-    /// Cases of this run, each scene once.
-    pub cases: usize,
-    /// Those that existed before.
-    pub there: usize,
-    /// Those computed now, including failed ones.
-    pub computed: usize,
-    /// Those without a branch, including earlier ones.
-    pub failed: usize,
-    /// Those whose branch ended early, including earlier ones.
-    pub incomplete: usize,
-    /// Time since the first one began.
-    pub time: Duration,
-}
-
-impl StudyProgress {
-    /// Cases per second; `None` before the first one is complete.
-    pub fn rate(&self) -> Option<f64> {
-        (self.computed > 0).then(|| self.computed as f64 / self.time.as_secs_f64().max(1e-9))
-    }
-
-    /// Estimated time to the end.
-    pub fn rest(&self) -> Option<Duration> {
-        let left = self.cases.saturating_sub(self.there + self.computed) as f64;
-        Duration::try_from_secs_f64(left / self.rate()?).ok()
-    }
-}
-
 /// Observer of the computation of a study.
 pub trait StudyObserver {
     /// Called with the progress: once at the beginning, and after each case.
-    fn progress(&mut self, progress: &StudyProgress);
+    fn progress(&mut self, _: &StudyOutcome) {}
 
     /// Whether the study is to end: the cases in progress end too, and continue the next time.
     fn is_cancelled(&self) -> bool {
@@ -47,9 +17,7 @@ pub trait StudyObserver {
     }
 }
 
-impl StudyObserver for nlmodes_run::Silent {
-    fn progress(&mut self, _: &StudyProgress) {}
-}
+impl StudyObserver for nlmodes_run::Silent {}
 
 /// Outcome of a run of a study.
 #[derive(Debug, Clone, PartialEq)]
@@ -97,8 +65,20 @@ impl StudyOutcome {
         !self.is_cut_off && self.there + self.computed == self.to_compute()
     }
 
-    fn to_compute(&self) -> usize {
+    /// Cases to compute, each scene once.
+    pub fn to_compute(&self) -> usize {
         self.cases - self.refused - self.repeated
+    }
+
+    /// Cases per second; `None` before the first one is complete.
+    pub fn rate(&self) -> Option<f64> {
+        (self.computed > 0).then(|| self.computed as f64 / self.wall_time.as_secs_f64().max(1e-9))
+    }
+
+    /// Estimated time to the end.
+    pub fn rest(&self) -> Option<Duration> {
+        let left = self.to_compute().saturating_sub(self.there + self.computed) as f64;
+        Duration::try_from_secs_f64(left / self.rate()?).ok()
     }
 
     pub(super) fn there(&mut self, status: Status) {
@@ -123,17 +103,6 @@ impl StudyOutcome {
             Status::Complete => {}
             Status::Incomplete => self.incomplete += 1,
             Status::Failed => self.failed += 1,
-        }
-    }
-
-    pub(super) fn progress(&self, time: Duration) -> StudyProgress {
-        StudyProgress {
-            cases: self.to_compute(),
-            there: self.there,
-            computed: self.computed,
-            failed: self.failed,
-            incomplete: self.incomplete,
-            time,
         }
     }
 }

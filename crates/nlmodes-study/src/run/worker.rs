@@ -4,11 +4,11 @@ use nlmodes::modal::EndReason;
 use std::any::Any;
 use std::error::Error;
 use std::fs;
-use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::thread;
+use std::time::{Duration, Instant};
 
 use nlmodes::branches::Watch;
 use nlmodes_run::responses::{ComputedResponse, ResponsesOutcome};
@@ -19,8 +19,9 @@ use nlmodes_scene::{SceneFile, memory};
 use super::Settings;
 use crate::case::Resolved;
 use crate::error::StudyError;
+use crate::first_order::{Further, read, resolved};
 use crate::store::{CaseRecord, Status, Store, branch_sha256};
-use crate::study::Keep;
+use crate::study::{Keep, Study};
 
 /// Files that a table does not need.
 const HEAVY: [&str; 5] = ["harmonics.npz", "steps.jsonl", "participation.csv", "starts.npz", "histories.npz"];
@@ -38,26 +39,64 @@ pub enum Done {
     CutOff,
 }
 
+/// Time between two checks of a case that another process is computing.
+const LOOK: Duration = Duration::from_millis(100);
+
 /// Computes cases.
 pub struct Worker<'a> {
-    pub store: &'a Store,
+    /// The study.
+    pub study: &'a Study,
+    /// How it is computed.
     pub settings: &'a Settings,
-    pub keep: Keep,
+    /// Whether the end was requested.
     pub ended: &'a Arc<AtomicBool>,
     /// Data common to cases.
     pub structures: &'a Structures,
 }
 
 impl Worker<'_> {
+    /// What comes of the case with these values of the variables, computed where it is not in the store.
+    ///
+    /// # Errors
+    /// [`StudyError`] if it cannot be written.
+    pub fn at(&self, values: &[f64]) -> Result<Further, StudyError> {
+        let case = match resolved(self.study, values) {
+            Ok(case) => case,
+            Err(reason) => return Ok(Further::Failed(reason)),
+        };
+        Ok(if self.is_there(&case)? { read(&self.store(), &case.id) } else { Further::Missing })
+    }
+
+    fn store(&self) -> Store {
+        Store::new(&self.study.directory)
+    }
+
+    /// Computes a case unless it is in the store; whether it is there then, as it is not where the end was requested.
+    ///
+    /// # Errors
+    /// [`StudyError`] if it cannot be written.
+    pub fn is_there(&self, case: &Resolved) -> Result<bool, StudyError> {
+        while self.store().record(&case.id).is_none() {
+            if self.ended.load(Ordering::Relaxed) {
+                return Ok(false);
+            }
+            if self.compute(case.clone())? == Done::Elsewhere {
+                thread::sleep(LOOK);
+            }
+        }
+        Ok(true)
+    }
+
     /// Computes a case, unless another process does.
     ///
     /// # Errors
     /// [`StudyError`] if it cannot be written.
     pub fn compute(&self, case: Resolved) -> Result<Done, StudyError> {
         let Resolved { file, id, set } = case;
-        let Some(claim) = self.store.claim(&id)? else { return Ok(Done::Elsewhere) };
+        let store = self.store();
+        let Some(claim) = store.claim(&id)? else { return Ok(Done::Elsewhere) };
         // Checked under the lock, so no other process can complete it.
-        if let Some(record) = self.store.record(&id) {
+        if let Some(record) = store.record(&id) {
             return Ok(Done::There(record.status));
         }
         let began = Instant::now();
@@ -71,62 +110,52 @@ impl Worker<'_> {
             Ok(Err(error)) => failure(error).map_err(|error| self.unwritable(&id, error))?,
             Err(panic) => (Status::Failed, format!("the program failed: {}", message(panic.as_ref()))),
         };
-        if self.keep == Keep::Tables {
+        if self.study.keep == Keep::Tables {
             // A file that cannot be removed only takes space.
-            HEAVY.iter().for_each(|name| drop(fs::remove_file(self.store.case(&id).join(name))));
+            HEAVY.iter().for_each(|name| drop(fs::remove_file(store.case(&id).join(name))));
         }
-        let branch_sha256 = branch_sha256(&self.store.case(&id));
+        let branch_sha256 = branch_sha256(&store.case(&id));
         let (version, seconds) = (env!("CARGO_PKG_VERSION").to_owned(), began.elapsed().as_secs_f64());
         let record = CaseRecord { version, status, reason, set, seconds, branch_sha256 };
-        self.store.finish(&id, &record, claim)?;
+        store.finish(&id, &record, claim)?;
         Ok(Done::Ended(status))
     }
 
     /// How the run of the case ended; `None` if the end was requested.
     fn run(&self, mut file: SceneFile, id: &str) -> Result<Option<(Status, String)>, RunError> {
-        file.scene.output_directory = self.store.case(id);
+        file.scene.output_directory = self.store().case(id);
         if !self.settings.drawn {
             (file.scene.files.figures, file.scene.files.page) = (false, false);
         }
         let mut files = [file];
         memory::admit(&mut files, Some(self.settings.limit()))?;
-        let scenes = || files.to_vec();
         let mut looker = Looker { ended: Arc::clone(self.ended) };
+        let is_ended = || self.ended.load(Ordering::Relaxed);
         if let [file] = &files
             && !file.scene.responses.is_empty()
         {
-            return self.run_responses(file, &mut looker);
+            let outcome = resumed(|over| nlmodes_run::responses::run(file, over, &mut looker))?;
+            return outcome.filter(|found| !(is_ended() && found.is_cut_off)).map(judged_responses).transpose();
         }
-        let mut run = |over| run_sharing(scenes(), over, &mut looker, self.structures);
-        let outcome = match run(Over::Resumed) {
-            // The existing results cannot be continued: the case is computed from the beginning.
-            Err(RunError::Foreign { .. }) => run(Over::Anything),
-            outcome => outcome,
-        };
-        match outcome {
-            Err(RunError::Ended) => Ok(None),
-            _ if self.ended.load(Ordering::Relaxed) && outcome.as_ref().is_ok_and(was_stopped) => Ok(None),
-            outcome => Ok(Some(judged(outcome?)?)),
-        }
-    }
-
-    /// The same of a scene with responses.
-    fn run_responses(&self, file: &SceneFile, looker: &mut Looker) -> Result<Option<(Status, String)>, RunError> {
-        let mut run = |over| nlmodes_run::responses::run(file, over, looker);
-        let outcome = match run(Over::Resumed) {
-            Err(RunError::Foreign { .. }) => run(Over::Anything),
-            outcome => outcome,
-        };
-        match outcome {
-            Err(RunError::Ended) => Ok(None),
-            Err(error) => Err(error),
-            Ok(outcome) if self.ended.load(Ordering::Relaxed) && outcome.is_cut_off => Ok(None),
-            Ok(outcome) => Ok(Some(judged_responses(outcome)?)),
-        }
+        let outcome = resumed(|over| run_sharing(files.to_vec(), over, &mut looker, self.structures))?;
+        outcome.filter(|found| !(is_ended() && was_stopped(found))).map(judged).transpose()
     }
 
     fn unwritable(&self, id: &str, error: RunError) -> StudyError {
-        StudyError::Case { directory: self.store.case(id), source: Box::new(error) }
+        StudyError::Case { directory: self.store().case(id), source: Box::new(error) }
+    }
+}
+
+/// The outcome of a run that goes on with what is there, or begins anew where that belongs to something else; `None` if
+/// it was ended before any point was found.
+fn resumed<T>(mut run: impl FnMut(Over) -> Result<T, RunError>) -> Result<Option<T>, RunError> {
+    let outcome = match run(Over::Resumed) {
+        Err(RunError::Foreign { .. }) => run(Over::Anything),
+        outcome => outcome,
+    };
+    match outcome {
+        Err(RunError::Ended) => Ok(None),
+        outcome => outcome.map(Some),
     }
 }
 
@@ -210,9 +239,6 @@ impl Observer for Looker {
 
     fn watch(&self) -> Watch {
         let ended = Arc::clone(&self.ended);
-        Watch::new(move |_, _| match ended.load(Ordering::Relaxed) {
-            true => ControlFlow::Break(()),
-            false => ControlFlow::Continue(()),
-        })
+        Watch::until(move || ended.load(Ordering::Relaxed))
     }
 }

@@ -5,7 +5,7 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 
 use nlmodes_run::Silent;
-use nlmodes_study::{Cells, Collected, Settings, State, Study, StudyError, StudyObserver, StudyProgress, run, status};
+use nlmodes_study::{Cells, Collected, Settings, State, Study, StudyError, StudyObserver, StudyOutcome, run, status};
 
 const ROD: &str = r#"
 [structure]
@@ -67,8 +67,8 @@ fn csv(study: &Study) -> Vec<u8> {
 struct Ending(usize, usize);
 
 impl StudyObserver for Ending {
-    fn progress(&mut self, progress: &StudyProgress) {
-        self.1 = progress.computed;
+    fn progress(&mut self, outcome: &StudyOutcome) {
+        self.1 = outcome.computed;
     }
 
     fn is_cancelled(&self) -> bool {
@@ -236,5 +236,5 @@ fn a_study_of_no_sound_case_says_so() {
 #[test]
 fn studies_and_outcomes_go_to_other_threads() {
     fn send<T: Send>() {}
-    send::<(Study, Settings, Collected, StudyError, nlmodes_study::StudyOutcome)>();
+    send::<(Study, Settings, Collected, StudyError, StudyOutcome)>();
 }
