@@ -5,7 +5,8 @@ use std::{env, fs, process};
 use nlmodes_experiment::records::{
     Channel, Quantity, RecordError, RecordTable, Role, read_csv, read_npy, read_uff, read_wav,
 };
-use nlmodes_run::readers;
+use nlmodes_run::verify::Point;
+use nlmodes_run::{chain, lcp};
 use nlmodes_scene as config;
 
 use crate::resumed::Runs;
@@ -122,9 +123,9 @@ fn record(table: Result<RecordTable, RecordError>) {
 fn contact_problem(directory: &Path, bytes: &[u8]) {
     let path = directory.join("problem.npz");
     if fs::write(&path, bytes).is_ok()
-        && let Err(message) = readers::contact_problem(&path)
+        && let Err(error) = lcp::read(&path)
     {
-        assert!(message.len() > 10, "{message}");
+        assert!(chain(&error).len() > 10, "{error}");
     }
 }
 
@@ -135,9 +136,9 @@ fn results(directory: &Path, bytes: &[u8]) {
     let written = fs::write(directory.join("summary.json"), summary)
         .and_then(|()| fs::write(directory.join("harmonics.npz"), harmonics));
     if written.is_ok()
-        && let Err(message) = readers::point(directory, 1)
+        && let Err(error) = Point::read(directory, 1)
     {
-        assert!(message.len() > 10, "{message}");
+        assert!(chain(&error).len() > 10, "{error}");
     }
 }
 

@@ -4,7 +4,8 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use nlmodes_run::readers::{Interrupted, Left};
+use nlmodes_run::{Event, Observer, Over, RunError, chain, run};
+use nlmodes_scene::{SceneFile, parse_each_method};
 
 use crate::Reader;
 
@@ -42,7 +43,62 @@ const SCENES: [(usize, usize, &str); 7] = [
 const LONGEST: usize = 60_000;
 
 /// Runs of [`SCENES`] that were cut off.
-pub struct Runs(Vec<(Interrupted, Left, PathBuf)>);
+pub struct Runs(Vec<Interrupted>);
+
+/// One of them.
+struct Interrupted {
+    files: Vec<SceneFile>,
+    directory: PathBuf,
+    /// What it left: `run.json` and `steps.jsonl`.
+    run: Vec<u8>,
+    steps: Vec<u8>,
+}
+
+/// Ends a run after so many new points, and keeps the others.
+struct Ending {
+    left: usize,
+    repeated: Vec<[f64; 3]>,
+}
+
+impl Observer for Ending {
+    fn event(&mut self, event: Event<'_>) {
+        match event {
+            Event::Point { is_new: true, .. } => self.left = self.left.saturating_sub(1),
+            Event::Point { point, .. } => {
+                self.repeated.push([point.omega, point.kinetic_energy, point.total_energy]);
+            }
+            _ => {}
+        }
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.left == 0
+    }
+}
+
+impl Interrupted {
+    /// Computes the first points of a scene.
+    fn new(text: &str, directory: PathBuf, points: usize) -> Result<Self, String> {
+        let mut files = parse_each_method("scene.toml", text, &[]).map_err(|refused| refused.text(false))?;
+        files.iter_mut().for_each(|file| file.scene.output_directory.clone_from(&directory));
+        let mut ending = Ending { left: points, repeated: Vec::new() };
+        run(files.clone(), Over::Anything, &mut ending).map_err(|error| chain(&error))?;
+        let read = |name: &str| fs::read(directory.join(name)).map_err(|error| error.to_string());
+        Ok(Self { run: read("run.json")?, steps: read("steps.jsonl")?, files, directory })
+    }
+
+    /// Puts these files in place of its own, and reads the points back.
+    fn read(&self, run_json: &[u8], steps: &[u8]) -> Result<Vec<[f64; 3]>, String> {
+        let written = fs::write(self.directory.join("run.json"), run_json)
+            .and_then(|()| fs::write(self.directory.join("steps.jsonl"), steps));
+        written.map_err(|error| error.to_string())?;
+        let mut ending = Ending { left: 1, repeated: Vec::new() };
+        match run(self.files.clone(), Over::Resumed, &mut ending) {
+            Ok(_) | Err(RunError::Ended) => Ok(ending.repeated),
+            Err(error) => Err(chain(&error)),
+        }
+    }
+}
 
 impl Runs {
     /// Computes them.
@@ -57,24 +113,24 @@ impl Runs {
             // Multipliers, from the points alone, take most of the time where there are any.
             let stability = if number == 0 { "auto" } else { "never" };
             let text = format!(
-                "{more}\noutput.stability = \"{stability}\"\ncontinuation.max_energy_ratio = 20.0\n{}",
+                "{more}\noutput.stability = \"{stability}\"\noutput.page = false\noutput.figures = false\n\
+                continuation.max_energy_ratio = 20.0\n{}",
                 ROD.replace("ELEMENTS", &elements.to_string())
             );
-            let scene = Interrupted::new(&text, &directory).map_err(io::Error::other)?;
-            let left = scene.compute(*points).map_err(io::Error::other)?;
-            let again = scene.read().map_err(io::Error::other)?;
+            let scene = Interrupted::new(&text, directory, *points).map_err(io::Error::other)?;
+            let again = scene.read(&scene.run, &scene.steps).map_err(io::Error::other)?;
             if again.len() < *points {
                 let found = again.len();
                 return Err(io::Error::other(format!("scene {number}: {found} of {points} points are read back")));
             }
-            Ok((scene, left, directory))
+            Ok(scene)
         };
         SCENES.iter().enumerate().map(one).collect::<io::Result<_>>().map(Self)
     }
 
     /// Valid files: the number of the scene in the first byte, then `run.json`.
     pub fn runs(&self) -> Vec<Vec<u8>> {
-        self.numbered(|left| left.run.clone())
+        self.numbered(|scene| scene.run.clone())
     }
 
     /// The same of `steps.jsonl`, with its first line and without.
@@ -83,53 +139,45 @@ impl Runs {
             let end = steps.iter().position(|byte| *byte == b'\n').map_or(0, |at| at + 1);
             steps[end..].to_vec()
         };
-        let all =
-            [self.numbered(|left| whole_lines(&left.steps)), self.numbered(|left| headless(&whole_lines(&left.steps)))];
+        let all = [
+            self.numbered(|scene| whole_lines(&scene.steps)),
+            self.numbered(|scene| headless(&whole_lines(&scene.steps))),
+        ];
         all.concat()
     }
 
-    fn numbered(&self, part: impl Fn(&Left) -> Vec<u8>) -> Vec<Vec<u8>> {
-        self.0.iter().zip(0_u8..).map(|((_, left, _), number)| [vec![number], part(left)].concat()).collect()
+    fn numbered(&self, part: impl Fn(&Interrupted) -> Vec<u8>) -> Vec<Vec<u8>> {
+        self.0.iter().zip(0_u8..).map(|(scene, number)| [vec![number], part(scene)].concat()).collect()
     }
 
     /// Reads `run.json` beside the steps of its scene.
     pub fn run_reader(self) -> Reader {
         Box::new(move |bytes| {
-            let Some((scene, left, directory, run)) = self.of(bytes) else { return };
-            let written = fs::write(directory.join("run.json"), run)
-                .and_then(|()| fs::write(directory.join("steps.jsonl"), lines(&left.steps, 2)));
-            if written.is_ok() {
-                read(scene);
-            }
+            let Some((scene, run)) = self.of(bytes) else { return };
+            check(scene.read(run, &lines(&scene.steps, 2)));
         })
     }
 
     /// Reads `steps.jsonl`, behind the first line of its scene if it brings none, beside the right `run.json`.
     pub fn steps_reader(self) -> Reader {
         Box::new(move |bytes| {
-            let Some((scene, left, directory, steps)) = self.of(bytes) else { return };
-            let header = if steps.starts_with(b"{\"format") { String::new() } else { scene.header() + "\n" };
-            let written = fs::write(directory.join("run.json"), &left.run)
-                .and_then(|()| fs::write(directory.join("steps.jsonl"), [header.as_bytes(), steps].concat()));
-            if written.is_ok() {
-                read(scene);
-            }
+            let Some((scene, steps)) = self.of(bytes) else { return };
+            let header = if steps.starts_with(b"{\"format") { Vec::new() } else { lines(&scene.steps, 1) };
+            check(scene.read(&scene.run, &[&header, steps].concat()));
         })
     }
 
-    fn of<'a>(&'a self, bytes: &'a [u8]) -> Option<(&'a Interrupted, &'a Left, &'a Path, &'a [u8])> {
+    fn of<'a>(&'a self, bytes: &'a [u8]) -> Option<(&'a Interrupted, &'a [u8])> {
         let (number, rest) = bytes.split_first()?;
-        let (scene, left, directory) = &self.0[*number as usize % self.0.len()];
-        Some((scene, left, directory, rest))
+        Some((&self.0[*number as usize % self.0.len()], rest))
     }
 }
 
 /// What comes back is a point, or a reason why there is none.
-fn read(scene: &Interrupted) {
-    match scene.read() {
+fn check(found: Result<Vec<[f64; 3]>, String>) {
+    match found {
         Ok(points) => {
-            for point in points {
-                let numbers = [point.omega, point.kinetic_energy, point.total_energy];
+            for numbers in points {
                 assert!(numbers.iter().all(|number| number.is_finite()), "a point without numbers: {numbers:?}");
             }
         }

@@ -1,6 +1,5 @@
 //! `nlmodes-cli follow`: a fold, a first touch, a phase resonance or a mode at an energy over a parameter.
 
-use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
@@ -69,10 +68,7 @@ pub fn run(arguments: &Arguments) -> Status {
     let settings = FollowSettings { wanted, key, window };
     interrupt::install();
     interrupt::something_found();
-    let watch = Watch::new(|_, _| match interrupt::requested() {
-        true => ControlFlow::Break(()),
-        false => ControlFlow::Continue(()),
-    });
+    let watch = Watch::until(interrupt::requested);
     let found = match follow(&arguments.path, &arguments.overrides, &settings, &watch) {
         Ok(found) => found,
         Err(FollowError::Scene(refused)) => return refuse(&refused),

@@ -1,7 +1,6 @@
 //! Output of a run on the terminal.
 
 use std::collections::HashSet;
-use std::ops::ControlFlow;
 use std::path::Path;
 
 use nlmodes_run::linear::modal_model;
@@ -126,10 +125,7 @@ impl Observer for TerminalObserver {
     fn watch(&self) -> nlmodes::branches::Watch {
         match &self.progress {
             Some(progress) => progress.watch(interrupt::requested),
-            None => nlmodes::branches::Watch::new(|_, _| match interrupt::requested() {
-                true => ControlFlow::Break(()),
-                false => ControlFlow::Continue(()),
-            }),
+            None => nlmodes::branches::Watch::until(interrupt::requested),
         }
     }
 }

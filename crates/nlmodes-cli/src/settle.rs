@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use nlmodes::report::write_summary;
 use nlmodes_run::chain;
-use nlmodes_run::settle::{SettleError, SettleSettings, settle};
+use nlmodes_run::settle::{SettleSettings, settle};
+use nlmodes_run::verify::VerifyError;
 
 use crate::Status;
 use crate::results::entered;
@@ -40,7 +41,7 @@ pub fn run(arguments: &Arguments) -> Status {
         Err(error) => {
             say!("error: {}: {}", arguments.results.display(), chain(&error));
             return match error {
-                SettleError::Integration(_) => Status::EndedEarly,
+                VerifyError::Integration(_) => Status::EndedEarly,
                 _ => Status::Wrong,
             };
         }

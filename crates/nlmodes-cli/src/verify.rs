@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use nlmodes::timestep::TimestepError;
 use nlmodes_run::chain;
-use nlmodes_run::settle::{SettleError, verify_response};
+use nlmodes_run::settle::verify_response;
 use nlmodes_run::verify::{Point, VerifyError, verify};
 
 use crate::Status;
@@ -43,8 +43,8 @@ fn response(arguments: &Arguments, results: &Path) -> Status {
     match verify_response(results, arguments.point) {
         Ok(found) => print(found.text().trim_end()),
         Err(error) => {
-            say!("error: {}: {}", arguments.results.display(), chain(&error));
-            if matches!(error, SettleError::Integration(_)) { Status::EndedEarly } else { Status::Wrong }
+            let is_integrated = matches!(error, VerifyError::Integration(_));
+            refuse(arguments, &error, if is_integrated { Status::EndedEarly } else { Status::Wrong })
         }
     }
 }

@@ -3,7 +3,6 @@
 pub(crate) mod curve;
 mod page;
 mod references;
-pub mod repeated;
 mod several;
 mod sink;
 mod starts;
@@ -112,9 +111,7 @@ fn one_branch(
     gradients::check(file, open.as_ref())?;
     let modes = mass::open_modes(file, &model, &massless)
         .map_err(|error| refusal::unless_floating(file, open.as_ref(), error))?;
-    if let Some(text) = mass::warning(scene, &modes) {
-        observer.event(Event::Warning(&text));
-    }
+    observer.warn(mass::warning(scene, &modes));
     let mut journal = Journal::begun(scene, claim, observer)?;
     let mut sink = Sink::new(directory, claim, (journal.computing.clone(), state.as_ref()), observer);
     let tree = compute(scene, massless.clone(), &mut journal, &mut sink);
@@ -139,13 +136,11 @@ fn one_branch(
     let slid = slid(scene, (&model, open.as_ref()), structures, &mut tree.branches);
     let differentiated =
         gradients::of_branches(scene, open.as_ref(), (structures, observer.watch()), &mut tree.branches);
-    if let Some(text) = differentiated.as_ref().ok().and_then(|without| without_gradients(*without)) {
-        observer.event(Event::Warning(&text));
-    }
+    observer.warn(differentiated.as_ref().ok().and_then(|without| without_gradients(*without)));
     recover(scene, (open.as_ref(), state.as_ref()), &mut tree.branches);
     let stress = Stress::of(scene, open.as_ref(), &[]);
     let stress_left_out = Stress::left_out(scene, open.as_ref(), 0);
-    stress_left_out.iter().for_each(|text| observer.event(Event::Warning(text)));
+    observer.warn(&stress_left_out);
     let stressed = match &stress {
         Ok(Some(stress)) => stressed(scene, (stress, open.as_ref()), state.as_ref(), &mut tree.branches),
         _ => Ok(()),
@@ -165,9 +160,7 @@ fn one_branch(
                 None => Ok(None),
             };
             let found = period.as_ref().ok().and_then(Option::as_ref);
-            if let Some(text) = found.and_then(Period::warning) {
-                observer.event(Event::Warning(&text));
-            }
+            observer.warn(found.and_then(Period::warning));
             let about = About {
                 linear: &linear,
                 period: found,
@@ -201,8 +194,7 @@ fn one_branch(
         failure: written.err(),
     };
     let n_points = part.tree.branches.first().map_or(0, |computed| computed.branch.points.len());
-    let missing = histories::missing(&part.scene.files, "branch", n_points);
-    missing.for_each(|text| observer.event(Event::Warning(&text)));
+    observer.warn(histories::missing(&part.scene.files, "branch", n_points));
     observer.event(Event::Done(&part));
     Ok(part)
 }
@@ -361,8 +353,8 @@ fn write(
     let branches: Vec<&ComputedBranch> = tree.branches.iter().collect();
     let certified: Vec<&Certificate> = certificates.iter().collect();
     let methods = Overlaid::others(&[]);
-    let shown = page::Shown { references: &references, laid, methods: &methods, period: about.period };
-    page::write(directory, &[scene], about.linear, (&branches, curves, &certified), &shown)
+    let shown = (branches.as_slice(), curves, certified.as_slice());
+    page::write(directory, &[scene], about.linear, shown, (laid, &methods), (&references, about.period))
 }
 
 /// What is known about the branches beside their points.

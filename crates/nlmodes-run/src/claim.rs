@@ -13,7 +13,9 @@ use nlmodes::modal::EndReason;
 use nlmodes::report::{ReportError, write_summary};
 use serde_json::{Value, json};
 
-use crate::files::{DEPTH, RUN, STEPS, remove_all, remove_ends, remove_figures_of_records, remove_temporary};
+use crate::files::{
+    DEPTH, RUN, STEPS, folders, remove_all, remove_ends, remove_figures_of_records, remove_temporary, summary,
+};
 use crate::{Event, Observer, RunError, started_in};
 use keys::written_key;
 use nlmodes_scene::{Document, SceneFile};
@@ -62,7 +64,7 @@ impl Claim {
             return Err(RunError::InUse { directory: directory.to_path_buf() });
         }
         if over != Over::Anything
-            && let Some(reason) = foreign(directory, &scenes, over, Some(document))
+            && let Some(reason) = foreign(directory, &scenes, over, document)
         {
             return Err(RunError::Foreign { reason });
         }
@@ -76,7 +78,13 @@ impl Claim {
         if certificates + drawn > 0 {
             observer.event(Event::Replaces { directory, certificates, drawn });
         }
-        Ok(Self::unchecked(directory, &document.sources().file().name, &scenes, over))
+        let content = json!({
+            "program": "nlmodes-cli",
+            "version": env!("CARGO_PKG_VERSION"),
+            "file": document.sources().file().name,
+            "scenes": scenes,
+        });
+        Ok(Self { directory: directory.to_path_buf(), content, over, taken: Rc::default() })
     }
 
     /// The output directory of scenes that differ in their method only, which the first one names.
@@ -88,17 +96,6 @@ impl Claim {
         let scene = |file: &SceneFile| identity(serde_json::to_value(&file.scene).unwrap_or_default());
         let scenes = Value::Array(files.iter().map(scene).collect());
         Self::new(&first.scene.output_directory, &first.document, scenes, over, observer)
-    }
-
-    /// Without checking existing files.
-    pub fn unchecked(directory: &Path, file: &str, scenes: &Value, over: Over) -> Self {
-        let content = json!({
-            "program": "nlmodes-cli",
-            "version": env!("CARGO_PKG_VERSION"),
-            "file": file,
-            "scenes": scenes,
-        });
-        Self { directory: directory.to_path_buf(), content, over, taken: Rc::default() }
     }
 
     /// Whether an earlier run is continued.
@@ -156,7 +153,7 @@ fn in_use(path: &Path) -> bool {
 }
 
 /// Why the directory is not to be written; `None` if it may be. Keys are named as the document has them.
-pub fn foreign(directory: &Path, scenes: &Value, over: Over, document: Option<&Document>) -> Option<String> {
+fn foreign(directory: &Path, scenes: &Value, over: Over, document: &Document) -> Option<String> {
     let place = directory.display();
     let known = match read(directory) {
         Ok(known) => known?,
@@ -224,9 +221,9 @@ fn read(directory: &Path) -> Result<Option<Value>, String> {
 
 /// How many points the directory has of a run that was cut off or stopped; `None` where there is none.
 fn interrupted(directory: &Path) -> Option<usize> {
-    let stopped = match fs::read(directory.join("summary.json")) {
-        Ok(bytes) => {
-            let summary: Value = serde_json::from_slice(&bytes).unwrap_or_default();
+    let stopped = match directory.join("summary.json").is_file() {
+        true => {
+            let summary = summary(directory);
             let lists = ["branches", "curves"].into_iter().filter_map(|list| summary[list].as_array());
             let ends = lists.flatten().map(|one| if one["end"].is_object() { &one["end"] } else { one });
             let ends = ends.chain([&summary["end"]]);
@@ -234,25 +231,21 @@ fn interrupted(directory: &Path) -> Option<usize> {
             reasons.any(|reason| reason == EndReason::Stopped.name())
         }
         // A run writes it at its end.
-        Err(_) => true,
+        false => true,
     };
-    let points = points_below(directory, DEPTH).filter(|_| stopped)?;
-    (points > 0).then_some(points)
+    Some(points_below(directory, DEPTH)).filter(|points| stopped && *points > 0)
 }
 
 /// Rows of tables with steps, in a directory and its folders.
-fn points_below(directory: &Path, depth: usize) -> Option<usize> {
+fn points_below(directory: &Path, depth: usize) -> usize {
     let own = if directory.join(STEPS).is_file() {
         let table = fs::read_to_string(directory.join("branch.csv")).unwrap_or_default();
         table.lines().count().saturating_sub(1)
     } else {
         0
     };
-    let below = |entry: fs::DirEntry| match entry.file_type() {
-        Ok(kind) if kind.is_dir() && depth > 0 => points_below(&entry.path(), depth - 1),
-        _ => None,
-    };
-    Some(own + fs::read_dir(directory).ok()?.flatten().filter_map(below).sum::<usize>())
+    let below = if depth > 0 { folders(directory) } else { Vec::new() };
+    own + below.iter().map(|folder| points_below(folder, depth - 1)).sum::<usize>()
 }
 
 /// Keys whose values differ, and what they are.

@@ -81,8 +81,6 @@ mod computing;
 #[cfg(feature = "explore")]
 mod error;
 #[cfg(feature = "explore")]
-mod page;
-#[cfg(feature = "explore")]
 mod save;
 #[cfg(feature = "explore")]
 mod server;
@@ -92,7 +90,7 @@ mod sliders;
 #[cfg(feature = "explore")]
 pub use error::ExploreError;
 #[cfg(feature = "explore")]
-pub use page::Page;
+pub use server::Page;
 
 /// Computes the branch of a scene from its start; one way where it goes both ways, without stability. Of a scene with
 /// responses the first curve of each level of the first one.

@@ -3,6 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use serde_json::Value;
+
 /// Says which scene the results in a directory are of.
 pub const RUN: &str = "run.json";
 
@@ -126,4 +128,17 @@ pub fn remove_all(directory: &Path, names: &[impl AsRef<str>]) {
             None => remove(name),
         }
     }
+}
+
+/// What the summary of a directory says; null where there is none.
+pub fn summary(directory: &Path) -> Value {
+    let text = fs::read(directory.join("summary.json")).ok();
+    text.and_then(|text| serde_json::from_slice(&text).ok()).unwrap_or_default()
+}
+
+/// Folders in a directory, without links to others.
+pub fn folders(directory: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(directory).into_iter().flatten().flatten();
+    let folders = entries.filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_dir()));
+    folders.map(|entry| entry.path()).collect()
 }

@@ -16,7 +16,8 @@ pub use error::FollowError;
 use std::path::Path;
 
 use nlmodes::branches::Watch;
-use nlmodes::modal::{BranchEnd, ModalPoint, cubic};
+use nlmodes::modal::{BranchEnd, cubic};
+use nlmodes::report::columns::FollowRow;
 use nlmodes::report::hertz;
 use nlmodes::response::{ParameterCurve, ParameterPoint};
 use nlmodes_scene::assemble::Structures;
@@ -86,22 +87,7 @@ pub struct Followed {
     pub is_complete: bool,
     /// Its points.
     #[serde(skip)]
-    pub points: Vec<FollowedPoint>,
-}
-
-/// A point of it.
-#[derive(Debug, Clone)]
-pub struct FollowedPoint {
-    /// Value of the parameter.
-    pub value: f64,
-    /// Derivative of the frequency, Hz per unit of the parameter.
-    pub d_frequency: f64,
-    /// What the motion is.
-    pub point: ModalPoint,
-    /// Level of the load.
-    pub level: f64,
-    /// Whether the curve turns here.
-    pub turns: bool,
+    pub points: Vec<FollowRow>,
 }
 
 impl FollowOutcome {
@@ -116,7 +102,7 @@ impl Followed {
     fn new(name: String, curve: &ParameterCurve, subharmonic: usize) -> Self {
         let [below, above] = &curve.ends;
         let message = |end: &BranchEnd| end.message.clone();
-        let points = curve.points.iter().map(|point| FollowedPoint::new(point, subharmonic)).collect();
+        let points = curve.points.iter().map(|point| row(point, subharmonic)).collect();
         Self { name, ends: [message(below), message(above)], is_complete: below.complete && above.complete, points }
     }
 }
@@ -131,8 +117,8 @@ impl Followed {
                 return false;
             }
             let (h, t) = (b.value - a.value, (value - a.value) / (b.value - a.value));
-            let [f, g] = [hertz(a.point.omega), hertz(b.point.omega)];
-            let between = cubic([f, g], [a.d_frequency, b.d_frequency], h, t);
+            let [f, g] = [a.frequency_hz, b.frequency_hz];
+            let between = cubic([f, g], [a.d_frequency_d_value, b.d_frequency_d_value], h, t);
             let chord = f + t * (g - f);
             // What the cubic leaves is a small part of what it adds to the chord.
             (between - frequency).abs() <= (SAME * frequency).max(OF_CURVATURE * (between - chord).abs())
@@ -144,22 +130,22 @@ impl Followed {
 const SAME: f64 = 1e-7;
 const OF_CURVATURE: f64 = 0.05;
 
-impl FollowedPoint {
-    fn new(point: &ParameterPoint, subharmonic: usize) -> Self {
-        let own = point.motion.point();
-        let modal = ModalPoint {
-            omega: own.omega * subharmonic as f64,
-            fundamental: point.amplitude,
-            residual: point.residual,
-            ..own
-        };
-        Self {
-            value: point.value,
-            d_frequency: point.by_value / std::f64::consts::TAU,
-            point: modal,
-            level: point.motion.at.level,
-            turns: point.turns,
-        }
+/// The point of a curve with this number of periods of the load in one; the number of the curve is not known yet.
+fn row(point: &ParameterPoint, subharmonic: usize) -> FollowRow {
+    let own = point.motion.point();
+    FollowRow {
+        curve: 0,
+        value: point.value,
+        frequency_hz: hertz(own.omega * subharmonic as f64),
+        d_frequency_d_value: point.by_value / std::f64::consts::TAU,
+        fundamental_m: point.amplitude,
+        peak_m: own.peak,
+        peak_contact_force_n: own.peak_contact_force,
+        impulse_ns: own.impulse().unwrap_or(0.0),
+        energy_j: own.kinetic_energy,
+        level: point.motion.at.level,
+        residual: point.residual,
+        turns: point.turns,
     }
 }
 

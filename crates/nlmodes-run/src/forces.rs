@@ -13,34 +13,31 @@ use crate::Failure;
 /// Name of the table.
 pub const FILE: &str = "appropriation.csv";
 
-/// The forces of a drive point at a point.
-pub struct Forces {
-    /// Number of the point.
-    pub point: usize,
-    /// Angular frequency, rad/s.
-    pub omega: f64,
-    /// Number of the drive point.
-    pub drive: usize,
-    /// Complex amplitudes in the harmonics 1, 2 …, N.
-    pub amplitudes: Vec<Complex64>,
+/// The forces of a drive point at a point of this angular frequency (rad/s): complex amplitudes in the harmonics 1,
+/// 2 …, N.
+pub fn rows(
+    point: usize,
+    omega: f64,
+    drive: usize,
+    amplitudes: &[Complex64],
+) -> impl Iterator<Item = AppropriationRow> {
+    amplitudes.iter().enumerate().map(move |(index, f)| AppropriationRow {
+        point,
+        frequency_hz: omega / TAU,
+        drive,
+        harmonic: index + 1,
+        force_n: f.norm(),
+        phase_deg: f.arg().to_degrees(),
+    })
 }
 
 /// Writes the table, if there are forces.
 ///
 /// # Errors
 /// If it cannot be written.
-pub fn write(directory: &Path, rows: &[Forces]) -> Result<(), Failure> {
+pub fn write(directory: &Path, rows: Vec<AppropriationRow>) -> Result<(), Failure> {
     if rows.is_empty() {
         return Ok(());
     }
-    let row = |from: &Forces, (index, f): (usize, &Complex64)| AppropriationRow {
-        point: from.point,
-        frequency_hz: from.omega / TAU,
-        drive: from.drive,
-        harmonic: index + 1,
-        force_n: f.norm(),
-        phase_deg: f.arg().to_degrees(),
-    };
-    let rows = rows.iter().flat_map(|from| from.amplitudes.iter().enumerate().map(move |force| row(from, force)));
     Ok(write_rows(directory.join(FILE), &AppropriationRow::unknown(), rows)?)
 }

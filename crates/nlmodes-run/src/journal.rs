@@ -64,10 +64,7 @@ pub struct Journal {
 
 impl Journal {
     /// The steps of an earlier run of the same scene, if it is continued; otherwise none.
-    ///
-    /// # Errors
-    /// [`ReportError`] if they cannot be read, or another run is at work there.
-    pub fn open(scene: &Scene, claim: &Claim) -> Result<Self, ReportError> {
+    fn open(scene: &Scene, claim: &Claim) -> Result<Self, ReportError> {
         let path = scene.output_directory.join(STEPS);
         let mut journal = Self {
             header: header(scene),
@@ -96,15 +93,10 @@ impl Journal {
         let directory = &scene.output_directory;
         let unwritable = |source| RunError::Unwritable { directory: directory.clone(), source, kept: true };
         let journal = Self::open(scene, claim).map_err(unwritable)?;
-        if claim.resumes() && journal.known_steps() == 0 {
+        if claim.resumes() && journal.known.iter().all(|run| run.steps.is_empty()) {
             observer.event(Event::NothingToResume { directory });
         }
         Ok(journal)
-    }
-
-    /// Number of steps that are known.
-    pub fn known_steps(&self) -> usize {
-        self.known.iter().map(|run| run.steps.len()).sum()
     }
 
     fn read(&mut self, bytes: &[u8]) {
@@ -138,11 +130,6 @@ impl Journal {
             offset += line.len() as u64;
             self.length = offset;
         }
-    }
-
-    /// Whether the run that begins next at `start` is in the file.
-    pub fn knows(&self, start: &Correction) -> bool {
-        self.known.get(self.begun).is_some_and(|run| is_same(&run.start, start))
     }
 
     /// Anything after the runs that have begun does not belong to this computation.
@@ -206,9 +193,7 @@ impl RunLog for Journal {
         if self.failure.is_some() {
             return Vec::new();
         }
-        if self.knows(start)
-            && let Some(run) = self.known.get_mut(self.begun)
-        {
+        if let Some(run) = self.known.get_mut(self.begun).filter(|run| is_same(&run.start, start)) {
             self.begun += 1;
             return std::mem::take(&mut run.steps);
         }
@@ -241,7 +226,7 @@ impl RunLog for Journal {
 }
 
 /// The first line: what the steps are of.
-pub fn header(scene: &Scene) -> Value {
+fn header(scene: &Scene) -> Value {
     let mut scene = identity(serde_json::to_value(scene).unwrap_or_default());
     // More points may be requested when a run is continued.
     if let Some(continuation) = scene.get_mut("continuation").and_then(Value::as_object_mut) {

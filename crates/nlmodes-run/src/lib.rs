@@ -91,8 +91,6 @@ pub mod overlay;
 pub mod passages;
 mod physical;
 mod progress;
-#[doc(hidden)]
-pub mod readers;
 pub mod records;
 pub mod redrawn;
 mod refusal;

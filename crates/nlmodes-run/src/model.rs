@@ -107,19 +107,9 @@ impl Model {
         let scene = &file.scene;
         let mut parts = reduced(file, structures)?;
         refusal::unless_supported(file, &parts.open, parts.reduction.as_ref())?;
-        let failed = |key: &str, error: &(dyn std::error::Error + 'static)| -> RunError {
-            file.error_at(key, &chain(error), "here", &[]).into()
-        };
         let mut response = ResponseModel::new(parts.open.clone(), &damping(scene, &parts))
-            .map_err(|error| failed("contact", &error))?;
-        let at = |path: &str, place: &Place| -> Result<Weights, RunError> {
-            let weights = parts.weights(place).map_err(|why| file.error_at(path, &why, "here", &[]))?;
-            if weights.is_empty() {
-                let title = "the structure does not move there in this direction";
-                return Err(file.error_at(path, title, "expected a place that moves", &[]).into());
-            }
-            Ok(weights)
-        };
+            .map_err(|error| refusal::here(file, "contact", &error))?;
+        let at = |path: &str, place: &Place| parts.moving(file, path, place);
         let laws::Laws { springs, stops, rest } =
             laws::add(file, &mut response, &at, (structures, parts.state.as_ref()))?;
         let drawn = drawn_gaps(&parts);
@@ -129,20 +119,22 @@ impl Model {
         for (i, dashpot) in scene.damping.iter().flat_map(|d| &d.dashpots).enumerate() {
             let path = format!("damping.dashpot.{i}.at_m");
             let one = Dashpot { at: at(&path, &dashpot.place)?, damping: dashpot.damping };
-            let share = response.beyond_modes(&one).map_err(|error| failed(&path, &error))?;
+            let share = response.beyond_modes(&one).map_err(|error| refusal::here(file, &path, &error))?;
             // Beside laws dashpots are laws too, with all of the flexibility at their place.
             if !scene.has_laws() {
                 beyond_modes.push(omega * share);
-                response.add_dashpots(&[one]).map_err(|error| failed(&path, &error))?;
+                response.add_dashpots(&[one]).map_err(|error| refusal::here(file, &path, &error))?;
             } else {
                 let law = PowerDamper { coefficient: one.damping, exponent: 1.0 };
-                response.add_law(&one.at, Arc::new(law), laws::SAMPLES).map_err(|error| failed(&path, &error))?;
+                response
+                    .add_law(&one.at, Arc::new(law), laws::SAMPLES)
+                    .map_err(|error| refusal::here(file, &path, &error))?;
             }
         }
         let dampers = stop_dampers(scene, &parts);
         for &(contact, table, damper) in &dampers {
             let path = format!("contact.{table}.damping_n_s_m");
-            response.add_stop_damper(contact, damper).map_err(|error| failed(&path, &error))?;
+            response.add_stop_damper(contact, damper).map_err(|error| refusal::here(file, &path, &error))?;
         }
         let unit = scene.forces.first().map_or(1.0, |force| force.amplitude.abs());
         let mut force_places: Vec<Weights> = Vec::new();
@@ -152,7 +144,7 @@ impl Model {
             let (amplitude, phase) = (force.amplitude / unit, force.phase_deg.to_radians());
             response
                 .push_force_at(&weights, amplitude, force.harmonic, phase)
-                .map_err(|error| failed(&path, &error))?;
+                .map_err(|error| refusal::here(file, &path, &error))?;
             if !force_places.contains(&weights) {
                 force_places.push(weights);
             }
@@ -160,7 +152,7 @@ impl Model {
         if scene.base_motion.is_some() {
             let motion = base_motion(scene, &parts)
                 .map_err(|title| -> RunError { file.error_at("base_motion", &title, "here", &[]).into() })?;
-            response.push_base_motion(&motion).map_err(|error| failed("base_motion", &error))?;
+            response.push_base_motion(&motion).map_err(|error| refusal::here(file, "base_motion", &error))?;
         }
         let unit = match scene.base_motion {
             Some(base) if base.is_acceleration => "m/s²",
@@ -279,9 +271,8 @@ fn parameters(
 ) -> Result<Vec<Parameter>, RunError> {
     let state = |number: usize, state: &SceneState| {
         let scene = with_modes(&state.scene, modes);
-        let model = Model::sharing(&SceneFile::without_text(scene, ""), structures).map_err(|error| {
-            RunError::from(file.error_at(&format!("sensitivity.{number}.key"), &chain(&error), "here", &[]))
-        })?;
+        let model = Model::sharing(&SceneFile::without_text(scene, ""), structures)
+            .map_err(|error| refusal::here(file, &format!("sensitivity.{number}.key"), &error))?;
         Ok((model, state.scene.clone(), state.weight))
     };
     let of = |(number, sensitivity): (usize, &Sensitivity)| {
@@ -328,7 +319,7 @@ fn check_mode(file: &SceneFile, response: &ResponseModel, open: Option<&OpenStru
     let error = match response.linear_start(file.scene.method.mode) {
         Ok(_) => return Ok(()),
         Err(ResponseError::Problem(error)) => error,
-        Err(error) => return Err(file.error_at("contact", &chain(&error), "here", &[]).into()),
+        Err(error) => return Err(refusal::here(file, "contact", &error)),
     };
     let expected = match &error {
         HbmError::NoSuchMode { available, .. } => format!("expected a whole number from 1 to {available}"),

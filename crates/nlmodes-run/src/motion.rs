@@ -6,7 +6,6 @@ use std::path::Path;
 use nlmodes::linalg::Mat;
 use nlmodes::modal::HarmonicCoefficients;
 use nlmodes::response::Weights;
-use nlmodes_scene::scene::Scene;
 use num_complex::Complex64;
 
 use crate::model::Model;
@@ -43,14 +42,6 @@ impl Motion {
         let (omega, coefficients, _) = results::read_motion(&path, point)?;
         Ok(Self { omega, coefficients })
     }
-}
-
-/// The scene of results.
-///
-/// # Errors
-/// [`VerifyError`] if there are none.
-pub fn scene_of(directory: &Path) -> Result<Scene, VerifyError> {
-    results::scene_of(directory)
 }
 
 /// The state of a motion of the degrees of freedom after a share of its period.

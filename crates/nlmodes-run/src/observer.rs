@@ -147,6 +147,13 @@ pub trait Observer {
     }
 }
 
+impl dyn Observer + '_ {
+    /// Passes warnings on.
+    pub(crate) fn warn(&mut self, texts: impl IntoIterator<Item: AsRef<str>>) {
+        texts.into_iter().for_each(|text| self.event(Event::Warning(text.as_ref())));
+    }
+}
+
 /// Ignores everything, and lets the run continue to its end.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Silent;

@@ -26,7 +26,7 @@ pub use crate::sheet::SheetError;
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::scene::Overlay;
 
-use crate::{Event, Observer, RunError, refusal};
+use crate::{Observer, RunError, refusal};
 
 /// What is laid over the results of a scene; of how many rows nothing is used, goes to the observer.
 ///
@@ -53,7 +53,7 @@ pub(crate) fn read_all<S, T>(
     let mut all = Vec::new();
     for (k, overlay) in overlays.iter().enumerate() {
         let (laid, unused) = read(overlay).map_err(|error| refusal::at(file, &format!("overlay.{k}.path"), &error))?;
-        unused.sentence(&overlay.path).iter().for_each(|text| observer.event(Event::Warning(text)));
+        observer.warn(unused.sentence(&overlay.path));
         all.push(laid);
     }
     Ok(all)

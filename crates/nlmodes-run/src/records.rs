@@ -257,5 +257,5 @@ fn write(scene: &RecordScene, outcomes: &[RecordOutcome], laid: &[Laid]) -> Resu
     against.write(directory, "overlay")?;
     let lines: Vec<String> =
         std::iter::once(format!("Records: {}", scene.files.join(", "))).chain(against.sentences()).collect();
-    page::write(directory, &scene.title, &lines, outcomes, (laid, &against), &drawn, &[])
+    page::write(directory, &scene.title, &lines, outcomes, (laid, &against), drawn, &[])
 }

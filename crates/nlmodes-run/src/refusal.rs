@@ -231,6 +231,11 @@ pub fn at<S>(file: &SceneFile<S>, path: &str, error: &(dyn Error + 'static)) -> 
     file.error_at(path, &chain(error), "", &[]).into()
 }
 
+/// The same with a mark at the value of the key.
+pub fn here(file: &SceneFile, path: &str, error: &(dyn Error + 'static)) -> RunError {
+    file.error_at(path, &chain(error), "here", &[]).into()
+}
+
 /// A scene of a motion in time has no branch.
 ///
 /// # Errors

@@ -22,6 +22,7 @@ use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 use nlmodes::report::ReportError;
+use nlmodes::report::columns::ResponseDifferenceRow;
 use nlmodes::response::StepLog;
 use nlmodes_scene::SceneFile;
 use nlmodes_scene::scene::Scene;
@@ -46,7 +47,6 @@ pub(crate) use curves::{curves_at, resonances_to};
 pub(crate) use effects::effects;
 pub(crate) use gradients::changes;
 pub use levels::Level;
-use overlaid::Beside;
 pub(crate) use picture::picture;
 use sweeps::Sweep;
 use viewed::{pictured_of, viewed};
@@ -115,7 +115,7 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
     let file = updated(file.clone())?;
     let model = Model::new(&file)?;
     doubts::tell(&file.scene, model.reduction.as_ref(), observer);
-    model.warnings.iter().for_each(|text| observer.event(Event::Warning(text)));
+    observer.warn(&model.warnings);
     let journal = Rc::new(RefCell::new(Journal::begun(&file.scene, &claim, observer)?));
     let (scene, curves) = (&file.scene, Vec::new());
     let (stress, failed) = match Stress::of(scene, model.reduction.as_ref(), &model.response().load_shapes()) {
@@ -123,7 +123,7 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
         Err(failure) => (None, Some(failure)),
     };
     let stress = stress.as_ref();
-    model.stress_left_out(scene).iter().for_each(|text| observer.event(Event::Warning(text)));
+    observer.warn(model.stress_left_out(scene));
     let mut following = Following { scene, model: &model, claim: &claim, journal, observer, curves, stress, failed };
     let not_begun = following.all()?;
     let Following { observer, curves, failed, .. } = following;
@@ -138,14 +138,12 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
         unstable::follow((&file.scene, &model), &curves, &mut levels, &mut look);
     }
     let beside = |curve: &LaidCurve| (curve.clone(), overlaid::beside(curve, &curves));
-    let compared: Vec<(LaidCurve, Vec<Beside>)> = laid.iter().map(beside).collect();
-    let left_out = compared.iter().filter_map(|(curve, found)| overlaid::left_out(curve, found));
-    left_out.for_each(|text| observer.event(Event::Warning(&text)));
+    let compared: Vec<(LaidCurve, Vec<ResponseDifferenceRow>)> = laid.iter().map(beside).collect();
+    observer.warn(compared.iter().filter_map(|(curve, found)| overlaid::left_out(curve, found)));
     let n_points = curves.iter().map(|computed| computed.branch.points.len()).sum();
-    histories::missing(&file.scene.files, "run", n_points).for_each(|text| observer.event(Event::Warning(&text)));
+    observer.warn(histories::missing(&file.scene.files, "run", n_points));
     let period = period(&file.scene, &model, &curves, stress);
-    let warning = period.as_ref().ok().and_then(Option::as_ref).and_then(Period::warning);
-    warning.iter().for_each(|text| observer.event(Event::Warning(text)));
+    observer.warn(period.as_ref().ok().and_then(Option::as_ref).and_then(Period::warning));
     let written = |period: Option<Period>| {
         let said = (&certificate, levels.as_slice());
         files(&file.scene, &model, (&curves, &laid, &sweeps), (&compared, period.as_ref()), said, began)
@@ -293,7 +291,7 @@ fn files(
     scene: &Scene,
     model: &Model,
     (curves, laid, sweeps): (&[ComputedResponse], &[LaidCurve], &[Sweep]),
-    (compared, period): (&[(LaidCurve, Vec<Beside>)], Option<&Period>),
+    (compared, period): (&[(LaidCurve, Vec<ResponseDifferenceRow>)], Option<&Period>),
     (certificate, levels): (&Certificate, &[Level]),
     began: Instant,
 ) -> Result<(), Failure> {
@@ -315,7 +313,7 @@ fn files(
         (figures::all(scene, model, (curves, laid), sweeps)?, histories::own_references(*curve)?);
     if scene.files.figures {
         let style = style_of(&scene.files);
-        figures.iter().try_for_each(|(name, _, figure)| figure.styled(&style).write(directory.join(name)))?;
+        curve::figures::write_all(directory, &figures, &style)?;
         let title = match each.len() {
             1 => scene.title.clone(),
             _ => format!("{}: {}", scene.title, curve.branch().label),

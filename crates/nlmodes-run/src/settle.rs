@@ -1,7 +1,6 @@
 //! What the motion of a response's point becomes once it is disturbed: integrated exactly, from the point along the
 //! vector of its largest multiplier.
 
-mod error;
 mod lines;
 mod near;
 mod search;
@@ -12,14 +11,14 @@ use std::path::Path;
 
 use serde::Serialize;
 
-pub use error::SettleError;
 pub(crate) use near::Row;
 pub(crate) use search::Forced;
 use search::Search;
-pub use verified::{ExactResponse, FoundResponse, verify_response};
+pub use verified::{FoundResponse, verify_response};
 
 use crate::model::Model;
 use crate::motion::Motion;
+use crate::verify::VerifyError;
 
 /// How a point is disturbed, and how long it is followed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -125,12 +124,12 @@ pub enum Becomes {
 /// What the motion of a point becomes, disturbed along the vector of its largest multiplier.
 ///
 /// # Errors
-/// [`SettleError`] if there is no such point, or it is none of a forced response.
-pub fn settle(directory: &Path, point: usize, settings: SettleSettings) -> Result<Settled, SettleError> {
+/// [`VerifyError`] if there is no such point, or it is none of a forced response.
+pub fn settle(directory: &Path, point: usize, settings: SettleSettings) -> Result<Settled, VerifyError> {
     let periods = settings.periods.map_or(1.0, |periods| periods as f64);
     for (what, value) in [("disturbance", settings.disturbance), ("periods", periods)] {
         if !(value.is_finite() && value > 0.0) {
-            return Err(SettleError::NotPositive { what, value });
+            return Err(VerifyError::NotPositive { what, value });
         }
     }
     settled(&Search::read(directory, point)?, settings)
@@ -139,17 +138,17 @@ pub fn settle(directory: &Path, point: usize, settings: SettleSettings) -> Resul
 /// The same of a point of curves in memory; `rows` has all of them.
 ///
 /// # Errors
-/// [`SettleError`].
+/// [`VerifyError`].
 pub(crate) fn settle_in_memory(
     model: &Model,
     at: Forced,
     motion: &Motion,
     rows: &[Row],
-) -> Result<Settled, SettleError> {
+) -> Result<Settled, VerifyError> {
     settled(&Search::new(model, at, motion, rows.to_vec())?, SettleSettings::default())
 }
 
-fn settled(search: &Search, settings: SettleSettings) -> Result<Settled, SettleError> {
+fn settled(search: &Search, settings: SettleSettings) -> Result<Settled, VerifyError> {
     let (becomes, integrated_periods) = search.follow(settings)?;
     let multiplier = search.start.as_ref().and_then(|start| start.multipliers.first());
     Ok(Settled {

@@ -18,7 +18,7 @@ use crate::claim::Claim;
 use crate::model::Model;
 use crate::settings::Checked;
 use crate::updating::updated;
-use crate::{Event, Failure, Observer, Over, RunError, chain, doubts, links};
+use crate::{Failure, Observer, Over, RunError, chain, doubts, links, refusal};
 use histories::Histories;
 use prepared::Prepared;
 
@@ -62,17 +62,16 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
     let claim = Claim::of_scenes(std::slice::from_ref(file), over, observer)?;
     let began = Instant::now();
     let file = updated(file.clone())?;
-    let Begun { transient, model, prepared, state, rate } = begin(&file)?;
-    doubts::tell(&file.scene, model.reduction.as_ref(), observer);
-    model.warnings.iter().for_each(|text| observer.event(Event::Warning(text)));
+    let begun = begin(&file)?;
+    doubts::tell(&file.scene, begun.model.reduction.as_ref(), observer);
+    observer.warn(&begun.model.warnings);
     claim.take_at_once()?;
     let integrated = Instant::now();
-    let (histories, ended) = move_on(&transient, &prepared, &state, rate, observer)
-        .map_err(|error| -> RunError { file.error_at("transient", &chain(&error), "here", &[]).into() })?;
+    let (histories, ended) = move_on(&begun, observer)
+        .map_err(|error| refusal::here(&file, "transient", &error))?;
     let integration = integrated.elapsed();
-    let content = written::Content { scene: &file.scene, transient: &transient, model: &model, prepared: &prepared };
-    let lines = written::lines(&content, &histories);
-    let failure = written::write(&content, &histories, ended.as_deref(), [integration, began.elapsed()]).err();
+    let lines = written::lines(&begun, &histories);
+    let failure = written::write(&begun, &histories, ended.as_deref(), [integration, began.elapsed()]).err();
     Ok(TransientOutcome { scene: file.scene.clone(), lines, ended, integration, wall_time: began.elapsed(), failure })
 }
 
@@ -87,7 +86,8 @@ pub fn check(file: &SceneFile, observer: &mut dyn Observer) -> Result<Checked, R
 }
 
 /// What a motion begins with.
-struct Begun {
+struct Begun<'a> {
+    scene: &'a Scene,
     transient: Transient,
     model: Model,
     prepared: Prepared,
@@ -95,7 +95,7 @@ struct Begun {
     rate: f64,
 }
 
-fn begin(file: &SceneFile) -> Result<Begun, RunError> {
+fn begin(file: &SceneFile) -> Result<Begun<'_>, RunError> {
     let transient = file.scene.transient.clone().ok_or(RunError::NoScene)?;
     let (model, parts) = Model::with_parts(file, &Structures::default())?;
     let prepared = Prepared::new(file, &transient, &model, &parts)?;
@@ -113,7 +113,7 @@ fn begin(file: &SceneFile) -> Result<Begun, RunError> {
         let expected = format!("expected at most {}: a lower rate, or a shorter motion", number(MOST_NUMBERS));
         return Err(file.error_at("transient.sample_rate_hz", &title, &expected, &[]).into());
     }
-    Ok(Begun { transient, model, prepared, state, rate })
+    Ok(Begun { scene: &file.scene, transient, model, prepared, state, rate })
 }
 
 /// Samples a second: as the scene says, or enough for the highest frequency of the loads and the lowest mode, and not
@@ -127,15 +127,12 @@ fn rate(transient: &Transient, model: &Model, prepared: &Prepared) -> f64 {
 
 /// The histories of the motion, and why it ends before its time, if it does.
 fn move_on(
-    transient: &Transient,
-    prepared: &Prepared,
-    state: &[f64],
-    rate: f64,
+    Begun { transient, prepared, state, rate, .. }: &Begun<'_>,
     observer: &dyn Observer,
 ) -> Result<(Histories, Option<String>), TimestepError> {
     let moved: Vec<f64> = prepared.observed.iter().map(|of| of.moved).collect();
     let contacts = prepared.structure.n_contacts() + prepared.structure.n_law_stops();
-    let mut histories = Histories::new(&moved, contacts, transient.duration, rate);
+    let mut histories = Histories::new(&moved, contacts, transient.duration, *rate);
     let mut touches: Vec<Touch> = Vec::new();
     let signals: Vec<&dyn Signal> = prepared.signals.iter().map(AsRef::as_ref).collect();
     let settings = TransientSettings { duration: transient.duration, signals: &signals, blows: &prepared.blows };

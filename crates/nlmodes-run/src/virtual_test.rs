@@ -96,11 +96,8 @@ pub fn run(file: &SceneFile<TestScene>, over: Over, observer: &mut dyn Observer)
 /// Says which levels phase control will not hold. What cannot be foreseen, the test itself will say.
 fn warn(scene: &TestScene, test: &VirtualTest, observer: &mut dyn Observer) {
     let levels = levels_ahead(test, &observer.watch()).unwrap_or_default();
-    for (index, level) in levels.iter().enumerate() {
-        if let Some(text) = warning(scene, index + 1, level) {
-            observer.event(Event::Warning(&text));
-        }
-    }
+    let texts = levels.iter().enumerate().filter_map(|(index, level)| warning(scene, index + 1, level));
+    observer.warn(texts);
 }
 
 /// Whether the test would begin: refuses all that [`run`] refuses before its first sample, with the same words, but for

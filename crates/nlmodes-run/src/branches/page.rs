@@ -20,27 +20,17 @@ use crate::curve::stops::held_ends;
 use crate::linear::{LinearFrequencies, modal_model};
 use crate::overlay::Overlaid;
 
-/// What the page shows beside the branches.
-pub struct Shown<'a> {
-    /// Points with time histories.
-    pub references: &'a [Reference],
-    /// Results of other runs.
-    pub laid: &'a Overlaid,
-    /// Differences of the other methods from the first.
-    pub methods: &'a Overlaid,
-    /// The motion of a structure from files.
-    pub period: Option<&'a Period>,
-}
-
-/// Writes the page about these branches of scenes that differ in their method only.
+/// Writes the page about these branches of scenes that differ in their method only: with what is laid over and the
+/// differences of the other methods from the first, points with time histories, and the motion of a structure from
+/// files.
 pub fn write(
     directory: &Path,
     scenes: &[&Scene],
     linear: &LinearFrequencies,
     (all, curves, certificates): (&[&ComputedBranch], &[&dyn Curve], &[&Certificate]),
-    shown: &Shown<'_>,
+    (laid, methods): (&Overlaid, &Overlaid),
+    (references, period): (&[Reference], Option<&Period>),
 ) -> Result<(), Failure> {
-    let Shown { references, laid, methods, period } = *shown;
     let (Some(first), Some(scene)) = (all.first(), scenes.first()) else { return Ok(()) };
     let method = method_used(scene, first);
     let certified = certificates.iter().zip(all).enumerate().map(|(branch, (certificate, computed))| Certified {
@@ -56,7 +46,6 @@ pub fn write(
     }
     let tables = methods.tables().chain(laid.tables()).chain(all.iter().filter_map(|one| beyond_accuracy(one)));
     let content = Content {
-        pictured: 0,
         title: &scene.title,
         held: held_ends(scene, &first.branch),
         lines: vec![format!("{}; {}", first.branch.label, method.name)],
@@ -69,6 +58,7 @@ pub fn write(
         scattered: laid.scattered(all.len()),
         references,
         period,
+        ..Content::default()
     };
     page::write(directory, curves, content, |report| report)
 }

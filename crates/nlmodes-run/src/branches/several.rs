@@ -190,6 +190,6 @@ fn write_figures(
     }
     let scenes: Vec<&Scene> = files.iter().map(|file| &file.scene).collect();
     let certificates: Vec<&Certificate> = parts.iter().filter_map(|part| part.certificates.first()).collect();
-    let shown = page::Shown { references: &references, laid, methods, period: None };
-    page::write(directory, &scenes, &first.linear, (&branches, curves, &certificates), &shown)
+    let shown = (branches.as_slice(), curves, certificates.as_slice());
+    page::write(directory, &scenes, &first.linear, shown, (laid, methods), (&references, None))
 }

@@ -13,8 +13,8 @@ use serde::Serialize;
 use super::About;
 use super::sink::branch_directory;
 use crate::Failure;
-use crate::certificate::{Certificate, Number, NumberError};
-use crate::curve::summary::{At, AtRest, ContactAt, End, Reduction, Resonance, Stability, largest_residual};
+use crate::certificate::{Certificate, Number, NumberError, Place};
+use crate::curve::summary::{AtRest, ContactAt, End, Reduction, Resonance, Stability, largest_residual, place};
 use crate::linear::{LinearFrequencies, modal_model};
 use nlmodes_scene::scene::{MethodKind, Scene};
 
@@ -42,7 +42,7 @@ struct Summary<'a> {
     points: usize,
     /// The point whose period is in `motion.pvd`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    motion: Option<At>,
+    motion: Option<Place>,
     /// Why there is no stress, if only the size of the structure prevents it.
     #[serde(skip_serializing_if = "Option::is_none")]
     stress_left_out: Option<String>,
@@ -221,7 +221,7 @@ pub fn write(
         accuracy: AccuracyUsed::new(scene, computed),
         points: points.len(),
         stress_left_out: about.stress_left_out.map(str::to_owned),
-        motion: about.period.and_then(|period| At::of(points, 0, period.point)),
+        motion: about.period.and_then(|period| place(points, 0, period.point)),
         events: events.collect(),
         internal_resonances: Resonance::all(&computed.branch.points, 0),
         stability: Stability::new(points, 0, Some(UNIT_CIRCLE)),

@@ -21,8 +21,8 @@ pub struct Place {
 
 impl Place {
     /// Of a point of a branch.
-    pub(super) fn of(number: usize, point: &ModalPoint) -> Self {
-        Self { point: number, frequency_hz: point.omega / TAU, energy_j: Some(point.kinetic_energy) }
+    pub(crate) fn of(number: usize, point: &ModalPoint) -> Self {
+        Self { point: number, frequency_hz: point.listed_omega() / TAU, energy_j: Some(point.kinetic_energy) }
     }
 
     /// `7 (66.123 Hz)`.

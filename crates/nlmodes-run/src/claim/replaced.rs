@@ -1,12 +1,11 @@
 //! Files derived from results by other calls, which a run replaces or removes: verification reports of `run --certify`,
 //! figures as PDF and PNG.
 
-use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
 
-use crate::files::made_of_figures;
+use crate::files::{folders, made_of_figures, summary};
 
 /// How much of it there is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -20,11 +19,9 @@ pub struct Replaced {
 impl Replaced {
     /// Contents of a directory and this many levels of folders below it.
     pub fn below(directory: &Path, depth: usize) -> Self {
-        let entries = || fs::read_dir(directory).into_iter().flatten().flatten();
-        let is_folder = |entry: &fs::DirEntry| entry.file_type().is_ok_and(|kind| kind.is_dir());
-        let folders = entries().filter(|entry| depth > 0 && is_folder(entry));
         let own = Self { certificates: thorough(directory), drawn: made_of_figures(directory).count() };
-        folders.map(|entry| Self::below(&entry.path(), depth - 1)).fold(own, Self::and)
+        let below = if depth > 0 { folders(directory) } else { Vec::new() };
+        below.iter().map(|folder| Self::below(folder, depth - 1)).fold(own, Self::and)
     }
 
     fn and(self, other: Self) -> Self {
@@ -34,10 +31,7 @@ impl Replaced {
 
 /// Complete verification reports in the summary of a directory.
 fn thorough(directory: &Path) -> usize {
-    let summary: Value = fs::read(directory.join("summary.json"))
-        .ok()
-        .and_then(|text| serde_json::from_slice(&text).ok())
-        .unwrap_or_default();
+    let summary = summary(directory);
     let others = summary["other_branches"].as_array().into_iter().flatten();
     [&summary].into_iter().chain(others).filter(|branch| branch["certificate"]["thorough"] == Value::Bool(true)).count()
 }
@@ -46,6 +40,7 @@ fn thorough(directory: &Path) -> usize {
 mod tests {
     use super::*;
     use serde_json::json;
+    use std::fs;
 
     #[test]
     fn certificates_and_figures_of_other_calls_are_counted_in_all_folders() {

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use nlmodes::modal::{ModalBranch, Participation};
 use nlmodes::report::{
-    Abscissa, BranchFigure, ContactFigure, Figure, MotionFigure, ParticipationFigure, ReportError, SHOWN_MODES,
+    Abscissa, BranchFigure, ContactFigure, Figure, FigureStyle, MotionFigure, ParticipationFigure, ReportError,
+    SHOWN_MODES,
 };
 use nlmodes_scene::scene::Scene;
 
@@ -53,6 +54,31 @@ pub fn participation(directory: &Path, scene: &Scene, curves: &[&dyn Curve]) -> 
         figure.styled(&style_of(&scene.files)).write(directory.join("participation.svg"))?;
     }
     Ok(())
+}
+
+/// A figure with the name of its file and its title on the page.
+pub struct Named {
+    /// Name of the file.
+    pub file: String,
+    /// Title on the page.
+    pub title: String,
+    /// The figure.
+    pub figure: Figure,
+}
+
+impl Named {
+    /// A figure with these names.
+    pub fn new(file: impl Into<String>, title: impl Into<String>, figure: Figure) -> Self {
+        Self { file: file.into(), title: title.into(), figure }
+    }
+}
+
+/// Writes them in this style.
+///
+/// # Errors
+/// [`ReportError::Io`].
+pub fn write_all(directory: &Path, figures: &[Named], style: &FigureStyle) -> Result<(), ReportError> {
+    figures.iter().try_for_each(|own| own.figure.styled(style).write(directory.join(&own.file)))
 }
 
 /// A figure; none where there is nothing to draw.

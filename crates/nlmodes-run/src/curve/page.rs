@@ -7,6 +7,7 @@ use nlmodes::modal::{ModalBranch, Participation};
 use nlmodes::report::{DataTable, HtmlReport};
 use serde_json::Value;
 
+use super::figures::Named;
 use super::histories::Reference;
 use super::space::Period;
 use super::{Curve, LINEAR_MODES, gradients};
@@ -44,6 +45,8 @@ pub struct Content<'a> {
     pub certified: Vec<Certified<'a>>,
     /// Tables.
     pub tables: Vec<DataTable>,
+    /// Figures behind those of the gradients.
+    pub figures: Vec<Named>,
     /// Trees of names and values.
     pub documents: Vec<(String, Value)>,
     /// Results of other runs.
@@ -97,6 +100,9 @@ pub fn write(
         report = report.table(table);
     }
     for (title, figure) in first.into_iter().flat_map(gradients::figures) {
+        report = report.figure(title, figure);
+    }
+    for Named { title, figure, .. } in content.figures {
         report = report.figure(title, figure);
     }
     for (title, document) in &content.documents {

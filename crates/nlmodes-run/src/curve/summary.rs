@@ -1,12 +1,12 @@
 //! Entries of `summary.json` that all curves have.
 
-use std::f64::consts::TAU;
-
 use nlmodes::modal::{BranchEnd, ModalPoint, Tongue, tongues};
 use nlmodes_io::NodeContact;
 use nlmodes_scene::assemble::{OpenStructure, StaticState};
 use nlmodes_scene::scene::Scene;
 use serde::Serialize;
+
+use crate::certificate::Place;
 
 /// The reduction to free-interface modes.
 #[derive(Serialize)]
@@ -31,20 +31,9 @@ impl Reduction {
     }
 }
 
-/// A point of a curve.
-#[derive(Serialize)]
-pub struct At {
-    point: usize,
-    frequency_hz: f64,
-    energy_j: f64,
-}
-
-impl At {
-    /// Point `point` of a curve whose first one has the number `first` in the table.
-    pub fn of(points: &[ModalPoint], first: usize, point: usize) -> Option<Self> {
-        let found = points.get(point)?;
-        Some(Self { point: first + point, frequency_hz: found.listed_omega() / TAU, energy_j: found.kinetic_energy })
-    }
+/// The place of a point of a curve whose first one has this number.
+pub fn place(points: &[ModalPoint], first: usize, point: usize) -> Option<Place> {
+    points.get(point).map(|found| Place::of(first + point, found))
 }
 
 /// An internal-resonance branch: where it begins, has its tip and ends.
@@ -54,16 +43,16 @@ pub struct Resonance {
     harmonic: usize,
     mode: usize,
     skipped: bool,
-    start: Option<At>,
-    tip: Option<At>,
-    end: Option<At>,
+    start: Option<Place>,
+    tip: Option<Place>,
+    end: Option<Place>,
     energy_j: [f64; 2],
 }
 
 impl Resonance {
     /// The internal-resonance branches of a curve whose first point has the number `first` in the table.
     pub fn all(points: &[ModalPoint], first: usize) -> Vec<Self> {
-        let at = |point: usize| At::of(points, first, point);
+        let at = |point: usize| place(points, first, point);
         let of = |tongue: Tongue| Self {
             name: tongue.resonance.to_string(),
             harmonic: tongue.resonance.harmonic,

@@ -8,6 +8,7 @@ use super::computing::Computing;
 use super::save;
 use super::sliders::{Slider, sliders};
 use crate::RunError;
+use nlmodes::branches::Watch;
 use nlmodes::report::explore;
 use nlmodes_scene::assemble::Structures;
 use nlmodes_scene::{SceneFile, memory};
@@ -179,8 +180,13 @@ impl Explorer {
             Ok(file) => file,
             Err(why) => return Answer::wrong(422, &why),
         };
-        match self.computing.newest(|watch| super::picture(&file, watch, &self.structures)) {
-            Some(Ok(picture)) => Answer::ok("application/json", picture),
+        self.newest(|watch| super::picture(&file, watch, &self.structures))
+    }
+
+    /// What this computation gives, unless a later change ends it.
+    fn newest(&self, compute: impl FnOnce(Watch) -> Result<String, RunError>) -> Answer {
+        match self.computing.newest(compute) {
+            Some(Ok(found)) => Answer::ok("application/json", found),
             None | Some(Err(RunError::Ended)) => Answer::wrong(409, "superseded by a later change"),
             Some(Err(error)) => Answer::wrong(422, &error.to_string()),
         }
@@ -192,11 +198,7 @@ impl Explorer {
             Ok(file) => file,
             Err(why) => return Answer::wrong(422, &why),
         };
-        match self.computing.newest(|watch| crate::responses::effects(&file, &watch, &self.structures)) {
-            Some(Ok(effects)) => Answer::ok("application/json", effects),
-            None | Some(Err(RunError::Ended)) => Answer::wrong(409, "superseded by a later change"),
-            Some(Err(error)) => Answer::wrong(422, &error.to_string()),
-        }
+        self.newest(|watch| crate::responses::effects(&file, &watch, &self.structures))
     }
 
     fn save(&self, values: &BTreeMap<String, f64>) -> Answer {

@@ -1,6 +1,5 @@
 //! One computation at a time, the newest one.
 
-use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -24,11 +23,7 @@ impl Computing {
             return None;
         }
         let newest = Arc::clone(&self.newest);
-        let ask = move |_: &str, _: usize| match newest.load(Ordering::SeqCst) == own {
-            true => ControlFlow::Continue(()),
-            false => ControlFlow::Break(()),
-        };
-        Some(work(Watch::new(ask)))
+        Some(work(Watch::until(move || newest.load(Ordering::SeqCst) != own)))
     }
 }
 

@@ -2,47 +2,57 @@
 
 use std::io::{self, Read};
 use std::net::{Ipv4Addr, SocketAddr};
+use std::path::Path;
 use std::sync::Arc;
 use std::thread;
 
+use nlmodes_scene::memory;
 use tiny_http::{Header, Method, Request, Response, Server};
 
+use super::ExploreError;
 use super::answer::{Answer, Asked, Explorer};
 
 /// Longest body that is read: values of sliders.
 const LONGEST: u64 = 64 * 1024;
 
-/// A server that listens on this machine only.
-pub struct Loopback {
+/// A scene on a page of this machine.
+pub struct Page {
     server: Server,
-    port: u16,
+    explorer: Arc<Explorer>,
 }
 
-impl Loopback {
-    /// Listens on a port of this machine; 0 is one that is free.
+impl Page {
+    /// Reads and checks the scene, with `overrides` as `--set` takes them, and takes a port of this machine; 0 is one
+    /// that is free.
     ///
     /// # Errors
-    /// If there is no such port.
-    pub fn bind(port: u16) -> io::Result<Self> {
+    /// [`ExploreError`] where the scene cannot be read or is not sound, and where the machine gives no such port.
+    pub fn open(path: &Path, overrides: Vec<String>, port: u16) -> Result<Self, ExploreError> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| ExploreError::Unreadable { path: path.to_path_buf(), source })?;
+        let mut files = nlmodes_scene::parse_each_method(&path.display().to_string(), &text, &overrides)?;
+        memory::admit(&mut files, None)?;
+        let first = files.first().ok_or_else(|| ExploreError::NoScene(path.to_path_buf()))?;
         let server = Server::http(SocketAddr::from((Ipv4Addr::LOCALHOST, port))).map_err(io::Error::other)?;
         let address = server.server_addr().to_ip().ok_or_else(|| io::Error::other("the server has no address"))?;
-        Ok(Self { server, port: address.port() })
+        let explorer = Explorer::new(path, text, overrides, first, address.port())?;
+        Ok(Self { server, explorer: Arc::new(explorer) })
     }
 
-    /// The port on which it listens.
-    pub fn port(&self) -> u16 {
-        self.port
+    /// The address of the page, for a browser on this machine; requests without it are not answered.
+    pub fn address(&self) -> String {
+        self.explorer.address()
     }
 
-    /// Answers until [`Loopback::end`].
-    pub fn serve(&self, explorer: &Arc<Explorer>) {
+    /// Answers, each request in a thread of its own, until [`Page::end`] or the end of the program.
+    pub fn serve(&self) {
         for request in self.server.incoming_requests() {
-            let explorer = Arc::clone(explorer);
+            let explorer = Arc::clone(&self.explorer);
             thread::spawn(move || answer(&explorer, request));
         }
     }
 
-    /// Ends it.
+    /// Makes [`Page::serve`] return; a request in progress is completed.
     pub fn end(&self) {
         self.server.unblock();
     }

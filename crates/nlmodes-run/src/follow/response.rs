@@ -55,19 +55,12 @@ pub fn follow(
         curves.iter().flat_map(move |curve| curve.points.iter().filter(of)).collect::<Vec<_>>()
     };
     let subharmonic = response.subharmonic;
+    let is_fold = matches!(settings.wanted, Wanted::Folds { .. });
+    let what = if is_fold { "fold" } else { "first touch" };
     let mut all = Vec::new();
     let mut over =
         OverParameter { family: &mut family, value: texts.value(), window: settings.window, settings: &response };
     match settings.wanted {
-        Wanted::Folds { .. } => {
-            for point in points(Event::Fold) {
-                if all.iter().any(|known: &Followed| known.passes(texts.value(), point.omega / TAU)) {
-                    continue;
-                }
-                let curve = over.fold(point)?;
-                all.push(Followed::new(format!("fold at {} Hz", hertz(point)), &curve, subharmonic));
-            }
-        }
         Wanted::Resonance { .. } => {
             let is_there = |point: &&ResponsePoint| (point.motion.at.level / own_level - 1.0).abs() < SAME_LEVEL;
             let last = curves.first().and_then(|curve| curve.points.last());
@@ -81,17 +74,17 @@ pub fn follow(
             all.push(Followed::new(name, &curve, subharmonic));
         }
         _ => {
-            for point in points(Event::ContactChange) {
-                if all.iter().any(|known| known.passes(texts.value(), point.omega / TAU)) {
+            for point in points(if is_fold { Event::Fold } else { Event::ContactChange }) {
+                if all.iter().any(|known: &Followed| known.passes(texts.value(), point.omega / TAU)) {
                     continue;
                 }
-                let Some(curve) = over.touch(point)? else { continue };
-                all.push(Followed::new(format!("first touch at {} Hz", hertz(point)), &curve, subharmonic));
+                let curve = if is_fold { Some(over.fold(point)?) } else { over.touch(point)? };
+                let name = format!("{what} at {} Hz", hertz(point));
+                all.extend(curve.map(|curve| Followed::new(name, &curve, subharmonic)));
             }
         }
     }
     if all.is_empty() {
-        let what = if matches!(settings.wanted, Wanted::Folds { .. }) { "fold" } else { "first touch" };
         let why = format!("the response at level {} has no {what} in its window", number(own_level));
         return Err(FollowError::NoCurve(why));
     }

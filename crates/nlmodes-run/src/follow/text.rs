@@ -2,10 +2,10 @@
 
 use std::fmt::{Display, Formatter, Result};
 
-use nlmodes::report::hertz;
+use nlmodes::report::columns::FollowRow;
 use nlmodes_scene::number;
 
-use super::{FollowOutcome, Followed, FollowedPoint};
+use super::{FollowOutcome, Followed};
 
 impl Display for FollowOutcome {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
@@ -30,12 +30,12 @@ impl Display for Followed {
     }
 }
 
-fn at(point: &FollowedPoint) -> String {
-    let hz = nlmodes_scene::rounded(hertz(point.point.omega), 9);
+fn at(point: &FollowRow) -> String {
+    let hz = nlmodes_scene::rounded(point.frequency_hz, 9);
     format!(
         "{} → {} Hz ({:+.4e} Hz per unit)",
         number(nlmodes_scene::rounded(point.value, 9)),
         number(hz),
-        point.d_frequency
+        point.d_frequency_d_value
     )
 }

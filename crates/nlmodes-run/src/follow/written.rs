@@ -4,11 +4,9 @@ use std::fs;
 use std::path::Path;
 
 use nlmodes::report::columns::{FollowRow, Row};
-use nlmodes::report::{
-    LineKind, Quantity, ReportError, ResponseFigure, ResponseLine, hertz, write_rows, write_summary,
-};
+use nlmodes::report::{LineKind, Quantity, ReportError, ResponseFigure, ResponseLine, write_rows, write_summary};
 
-use super::{FollowOutcome, Followed, FollowedPoint};
+use super::{FollowOutcome, Followed};
 use crate::{RunError, links};
 
 impl FollowOutcome {
@@ -27,13 +25,13 @@ impl FollowOutcome {
 
     fn files(&self, directory: &Path) -> Result<(), ReportError> {
         let rows = self.curves.iter().enumerate();
-        let rows = rows.flat_map(|(number, curve)| curve.points.iter().map(move |point| row(number, point)));
+        let rows = rows.flat_map(|(curve, of)| of.points.iter().map(move |point| FollowRow { curve, ..point.clone() }));
         write_rows(directory.join("follow.csv"), &FollowRow::unknown(), rows)?;
         write_summary(directory.join("follow.json"), self)?;
         let ordinates: [(&str, Quantity, Ordinate); 3] = [
-            ("frequency", Quantity::linear("frequency", "Hz"), |point| hertz(point.point.omega)),
-            ("amplitude", Quantity::linear("amplitude", "m"), |point| point.point.fundamental),
-            ("force", Quantity::linear("largest contact force", "N"), |point| point.point.peak_contact_force),
+            ("frequency", Quantity::linear("frequency", "Hz"), |point| point.frequency_hz),
+            ("amplitude", Quantity::linear("amplitude", "m"), |point| point.fundamental_m),
+            ("force", Quantity::linear("largest contact force", "N"), |point| point.peak_contact_force_n),
         ];
         for (name, ordinate, of) in ordinates {
             let lines: Vec<ResponseLine> = self.curves.iter().map(|curve| line(curve, of)).collect();
@@ -49,27 +47,9 @@ impl FollowOutcome {
 }
 
 /// What is drawn of a point.
-type Ordinate = fn(&FollowedPoint) -> f64;
+type Ordinate = fn(&FollowRow) -> f64;
 
 fn line(curve: &Followed, of: Ordinate) -> ResponseLine {
     let points = curve.points.iter().map(|point| (point.value, of(point), None)).collect();
     ResponseLine { name: curve.name.clone(), kind: LineKind::Response, points }
-}
-
-fn row(curve: usize, own: &FollowedPoint) -> FollowRow {
-    let point = &own.point;
-    FollowRow {
-        curve,
-        value: own.value,
-        frequency_hz: hertz(point.omega),
-        d_frequency_d_value: own.d_frequency,
-        fundamental_m: point.fundamental,
-        peak_m: point.peak,
-        peak_contact_force_n: point.peak_contact_force,
-        impulse_ns: point.impulse().unwrap_or(0.0),
-        energy_j: point.kinetic_energy,
-        level: own.level,
-        residual: point.residual,
-        turns: own.turns,
-    }
 }

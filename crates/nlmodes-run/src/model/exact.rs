@@ -6,15 +6,14 @@ use nlmodes::timestep::ForcedStructure;
 use nlmodes_scene::SceneFile;
 
 use super::Model;
-use crate::{RunError, chain};
+use crate::{RunError, refusal};
 
 /// The structure of a model as the exact integration has it: modes, residual flexibility, stops.
 ///
 /// # Errors
 /// [`RunError`] at the contacts.
 pub fn structure(file: &SceneFile, model: &Model) -> Result<ForcedStructure, RunError> {
-    exact_structure(model.response().structure())
-        .map_err(|error| file.error_at("contact", &chain(&error), "here", &[]).into())
+    exact_structure(model.response().structure()).map_err(|error| refusal::here(file, "contact", &error))
 }
 
 /// Adds the laws of a model behind the loads of a structure; `moved` tells how far a unit of each of these moves a
@@ -29,13 +28,10 @@ pub fn push_laws(
     moved: &dyn Fn(&Weights, &ResponseRow) -> Vec<f64>,
 ) -> Result<(), RunError> {
     let response = model.response();
-    let failed = |error: &(dyn std::error::Error + 'static)| -> RunError {
-        file.error_at("spring", &chain(error), "here", &[]).into()
-    };
     let places: Vec<Weights> =
         (0..response.structure().laws().len()).filter_map(|l| response.law_weights(l).cloned()).collect();
-    let rows = response.rows(&places).map_err(|error| failed(&error))?;
+    let rows = response.rows(&places).map_err(|error| refusal::here(file, "spring", &error))?;
     let by_inputs = |l: usize| moved(&places[l], &rows[l]);
     nlmodes::response::push_laws(response.structure(), structure, &by_inputs, &|_| Vec::new())
-        .map_err(|error| failed(&error))
+        .map_err(|error| refusal::here(file, "spring", &error))
 }

@@ -52,7 +52,7 @@ pub fn add(
         let law = law(file, i, &spring.law)?;
         response
             .add_law(&weights, law, SAMPLES)
-            .map_err(|error| file.error_at(&format!("spring.{i}"), &chain(&error), "here", &[]))?;
+            .map_err(|error| refusal::here(file, &format!("spring.{i}"), &error))?;
         springs.push(weights);
     }
     let stops = stops(file, response, at, structures)?;
@@ -87,8 +87,7 @@ fn rest(
         let laws = 0..response.structure().laws().len();
         let moved: Vec<f64> = laws.map(|l| response.law_weights(l).map_or(0.0, moved)).collect();
         let key = if scene.static_loads.is_empty() { "contact" } else { scene.static_loads.first_key() };
-        let held =
-            response.rest_on_laws(&moved, SAMPLES).map_err(|error| file.error_at(key, &chain(&error), "here", &[]))?;
+        let held = response.rest_on_laws(&moved, SAMPLES).map_err(|error| refusal::here(file, key, &error))?;
         let stops: Vec<_> = stops.iter().map(|(_, gap)| *gap).zip(held.laws[springs..].iter().copied()).collect();
         Some(state.held(&held, &stops))
     } else {
@@ -115,7 +114,7 @@ fn stops(
         let law = HertzStop { stiffness, exponent, gap, dissipation };
         response
             .add_law(&weights, Arc::new(law), SAMPLES)
-            .map_err(|error| file.error_at(&format!("contact.{table}"), &chain(&error), "here", &[]))?;
+            .map_err(|error| refusal::here(file, &format!("contact.{table}"), &error))?;
         stops.push((weights, gap));
     }
     Ok(stops)

@@ -168,11 +168,24 @@ impl Reduced {
         Ok(Self { open, reduction, state: Some(state), ..self })
     }
 
+    /// The displacement at a place that moves; what is wrong with it is said at this key of the scene.
+    ///
+    /// # Errors
+    /// [`RunError`].
+    pub fn moving(&self, file: &SceneFile, path: &str, place: &Place) -> Result<Weights, RunError> {
+        let weights = self.weights(place).map_err(|why| file.error_at(path, &why, "here", &[]))?;
+        if weights.is_empty() {
+            let title = "the structure does not move there in this direction";
+            return Err(file.error_at(path, title, "expected a place that moves", &[]).into());
+        }
+        Ok(weights)
+    }
+
     /// The displacement at a position, as degrees of freedom with weights; none if the structure is fixed there.
     ///
     /// # Errors
     /// What is wrong with the place, in words.
-    pub fn weights(&self, place: &Place) -> Result<Weights, String> {
+    fn weights(&self, place: &Place) -> Result<Weights, String> {
         match (&self.source, place) {
             (Source::Straight { body, .. }, Place::Along { at, direction, .. }) => {
                 body.weights(*at, *direction).map_err(|error| chain(&error))

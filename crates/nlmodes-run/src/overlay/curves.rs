@@ -62,8 +62,7 @@ pub(crate) fn curves(overlay: &Overlay) -> Result<(Vec<LaidCurve>, Unused), Over
                 name => format!("{}: {name}", overlay.label),
             };
             let end = BranchEnd::given(format!("from {}", path.display()));
-            let (coordinates, points) = (Vec::new(), Vec::new());
-            let branch = ModalBranch { label, coordinates, contact_coordinate: None, stop: None, points, end };
+            let branch = ModalBranch::of_points(label, Vec::new(), end);
             all.push((of, LaidCurve { kind, branch, first: number, has_lag }));
         }
         number += 1;

@@ -169,15 +169,7 @@ pub(crate) fn read_with_unused(overlay: &Overlay) -> Result<(Laid, Unused), Over
         true => format!("from {}", path.display()),
         false => format!("{} points of {}", points.len(), path.display()),
     };
-    let branch = ModalBranch {
-        label,
-        coordinates: Vec::new(),
-        contact_coordinate: None,
-        stop: None,
-        points,
-        end: BranchEnd::given(message),
-    };
-    Ok((Laid { branch, is_scattered }, table.unused))
+    Ok((Laid { branch: ModalBranch::of_points(label, points, BranchEnd::given(message)), is_scattered }, table.unused))
 }
 
 /// What the contacts do at each point of a branch, by its number, if a table beside it says so.

@@ -5,10 +5,9 @@ use std::path::{Path, PathBuf};
 
 use nlmodes::modal::ContactPeriod;
 use nlmodes::report::columns::{BranchRow, ResponseRow};
-use serde_json::Value;
 
 use super::Abscissa;
-use crate::files::DEPTH;
+use crate::files::{DEPTH, summary};
 use crate::overlay::{OverlayError, contacts_beside};
 use crate::sheet::Sheet;
 
@@ -56,9 +55,8 @@ fn below(folder: &Path, depth: usize, found: &mut Vec<PathBuf>) {
 
 /// What the certificate beside a table says in a sentence.
 pub(super) fn verdict(table: &Path) -> String {
-    let summary = fs::read(table.with_file_name("summary.json")).ok();
-    let summary: Option<Value> = summary.and_then(|text| serde_json::from_slice(&text).ok());
-    summary.and_then(|summary| Some(summary["certificate"]["verdict"].as_str()?.to_owned())).unwrap_or_default()
+    let summary = summary(table.parent().unwrap_or(Path::new("")));
+    summary["certificate"]["verdict"].as_str().unwrap_or_default().to_owned()
 }
 
 /// The points of a curve, with its name where a table has several.

@@ -11,22 +11,19 @@ use nlmodes::report::columns::{DecayRow, Row};
 use nlmodes::report::{MeasuredFigure, write_rows};
 use nlmodes_scene::RecordScene;
 
-use super::figures::Drawn;
 use super::{RecordOutcome, Segment};
 use crate::Failure;
+use crate::curve::figures::Named;
 
 const TABLE: &str = "decay.csv";
 const FIGURE: &str = "decay.svg";
-
-/// What was extracted from the level before the decay, or why not.
-type Level = Result<RecordExtraction, ExtractionError>;
 
 /// The decay of a record, and the level before it; `outcome` makes an outcome of a segment and a level.
 pub fn of_record(
     scene: &RecordScene,
     record: &Record,
     [from, to]: [Option<f64>; 2],
-    outcome: impl Fn(Option<Segment>, Level) -> RecordOutcome,
+    outcome: impl Fn(Option<Segment>, Result<RecordExtraction, ExtractionError>) -> RecordOutcome,
 ) -> RecordOutcome {
     let decay = match free_decay(record, &scene.settings, from, to) {
         Ok(decay) => decay,
@@ -41,7 +38,7 @@ pub fn of_record(
 }
 
 /// Writes table and figure; nothing without a decay.
-pub fn write(directory: &Path, title: &str, outcomes: &[RecordOutcome]) -> Result<Option<Drawn>, Failure> {
+pub fn write(directory: &Path, title: &str, outcomes: &[RecordOutcome]) -> Result<Option<Named>, Failure> {
     let decays = || outcomes.iter().filter_map(|outcome| Some((&outcome.record, outcome.decay.as_ref()?)));
     if decays().next().is_none() {
         return Ok(None);
@@ -61,7 +58,7 @@ pub fn write(directory: &Path, title: &str, outcomes: &[RecordOutcome]) -> Resul
         .panel("damping ratio", &pairs(&|k| points[k].damping))
         .render()?;
     figure.write(directory.join(FIGURE))?;
-    Ok(Some(Drawn { file: FIGURE.into(), heading: "Free decay: frequency and damping".into(), figure }))
+    Ok(Some(Named::new(FIGURE, "Free decay: frequency and damping", figure)))
 }
 
 fn rows<'a>(record: &'a str, decay: &'a FreeDecay) -> impl Iterator<Item = DecayRow> + 'a {

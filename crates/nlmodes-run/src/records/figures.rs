@@ -5,10 +5,11 @@ use std::path::Path;
 
 use nlmodes::experiment::extraction::{Measured, RecordExtraction};
 use nlmodes::modal::{BranchEnd, Coordinate, Event, ModalBranch, TimeHistory, contact_intervals};
-use nlmodes::report::{Abscissa, BranchFigure, Figure, HistoryFigure, MeasuredFigure, StiffnessFigure};
+use nlmodes::report::{Abscissa, BranchFigure, Figure, FigureStyle, HistoryFigure, MeasuredFigure, StiffnessFigure};
 
 use super::RecordOutcome;
 use crate::Failure;
+use crate::curve::figures::{Named, write_all};
 use crate::files::HISTORIES;
 use crate::overlay::Laid;
 
@@ -19,13 +20,6 @@ const NEAR_CONTACT: f64 = 0.995;
 /// Periods of a time history.
 const PERIODS: f64 = 2.0;
 
-/// A figure, its file and what it shows.
-pub struct Drawn {
-    pub file: String,
-    pub heading: String,
-    pub figure: Figure,
-}
-
 /// Writes frequency over modal amplitude (with what is laid beside), damping and mode indicator over modal amplitude,
 /// and the time histories at the stop.
 pub fn write(
@@ -33,7 +27,7 @@ pub fn write(
     title: &str,
     outcomes: &[RecordOutcome],
     beside: &[Laid],
-) -> Result<Vec<Drawn>, Failure> {
+) -> Result<Vec<Named>, Failure> {
     let found: Vec<&RecordExtraction> = outcomes.iter().filter_map(|outcome| outcome.result.as_ref().ok()).collect();
     let mut all = frequency(title, &found, beside)?;
     all.extend(damping(title, &found)?);
@@ -43,21 +37,15 @@ pub fn write(
             let history = excerpt(history, PERIODS * TAU / found.omega.value);
             let heading = format!("{} ({:.4} Hz)", found.record, found.omega.value / TAU);
             let figure = HistoryFigure::new(&[&history]).title(&heading).with_acceleration().render()?;
-            all.push(Drawn { file: format!("history_{}.svg", k + 1), heading, figure });
+            all.push(Named::new(format!("history_{}.svg", k + 1), heading, figure));
         }
         all.extend(stiffness(found, k + 1)?);
     }
-    for drawn in &all {
-        drawn.figure.write(directory.join(&drawn.file))?;
-    }
+    write_all(directory, &all, &FigureStyle::default())?;
     Ok(all)
 }
 
-fn drawn(file: &str, heading: &str, figure: Figure) -> Drawn {
-    Drawn { file: file.into(), heading: heading.into(), figure }
-}
-
-fn frequency(title: &str, found: &[&RecordExtraction], beside: &[Laid]) -> Result<Vec<Drawn>, Failure> {
+fn frequency(title: &str, found: &[&RecordExtraction], beside: &[Laid]) -> Result<Vec<Named>, Failure> {
     let Some(branch) = measured(found) else { return Ok(Vec::new()) };
     // Contact begins at an amplitude that then hardly changes: it needs a figure of its own.
     let lines = beside.iter().filter(|laid| !laid.is_scattered);
@@ -66,14 +54,14 @@ fn frequency(title: &str, found: &[&RecordExtraction], beside: &[Laid]) -> Resul
     let mut in_contact = branch.clone();
     in_contact.points.retain(|point| grazing.is_some_and(|least| point.modal_amplitude >= least));
     let figure = frequency_figure(title, &branch, beside)?;
-    let mut all = vec![drawn("frequency_amplitude.svg", "Frequency over modal amplitude", figure)];
+    let mut all = vec![Named::new("frequency_amplitude.svg", "Frequency over modal amplitude", figure)];
     if !in_contact.points.is_empty() {
         // Without its event the axis does not go down to the linear mode at amplitude zero.
         let mut close = beside.to_vec();
         let starts = close.iter_mut().filter_map(|laid| laid.branch.points.first_mut());
         starts.for_each(|point| point.events.retain(|event| !matches!(event, Event::Grazing | Event::LiftOff)));
         let figure = frequency_figure(title, &in_contact, &close)?;
-        all.push(drawn("frequency_contact.svg", "Frequency over modal amplitude, with contact", figure));
+        all.push(Named::new("frequency_contact.svg", "Frequency over modal amplitude, with contact", figure));
     }
     Ok(all)
 }
@@ -115,7 +103,7 @@ fn frequency_figure(title: &str, measured: &ModalBranch, beside: &[Laid]) -> Res
     Ok(figure.render()?)
 }
 
-fn damping(title: &str, found: &[&RecordExtraction]) -> Result<Option<Drawn>, Failure> {
+fn damping(title: &str, found: &[&RecordExtraction]) -> Result<Option<Named>, Failure> {
     let usable: Vec<_> = found
         .iter()
         .filter_map(|found| {
@@ -138,11 +126,11 @@ fn damping(title: &str, found: &[&RecordExtraction]) -> Result<Option<Drawn>, Fa
         .scattered()
         .bars("bars: uncertainty from the scatter of the record");
     let figure = figure.panel("damping ratio", &damping).panel(&label, &pbmif);
-    Ok(Some(drawn("damping_amplitude.svg", "Damping and mode indicator", figure.render()?)))
+    Ok(Some(Named::new("damping_amplitude.svg", "Damping and mode indicator", figure.render()?)))
 }
 
 /// Coefficient of restitution over the approach speed, a dot a record with the spread of its impacts.
-fn restitution(title: &str, found: &[&RecordExtraction]) -> Result<Option<Drawn>, Failure> {
+fn restitution(title: &str, found: &[&RecordExtraction]) -> Result<Option<Named>, Failure> {
     let statistics = found.iter().filter_map(|found| Some(found.contact.as_ref()?.restitution.as_ref()?.statistics()));
     let (speeds, values): (Vec<f64>, Vec<(f64, f64)>) = statistics.map(|s| (s.approach, (s.mean, s.std))).unzip();
     if speeds.is_empty() {
@@ -153,16 +141,16 @@ fn restitution(title: &str, found: &[&RecordExtraction]) -> Result<Option<Drawn>
         .bars("bars: standard deviation of the impacts of a record")
         .panel("coefficient of restitution", &values)
         .render()?;
-    Ok(Some(drawn("restitution.svg", "Coefficient of restitution", figure)))
+    Ok(Some(Named::new("restitution.svg", "Coefficient of restitution", figure)))
 }
 
 /// Contact force over displacement with the fitted line.
-fn stiffness(found: &RecordExtraction, number: usize) -> Result<Option<Drawn>, Failure> {
+fn stiffness(found: &RecordExtraction, number: usize) -> Result<Option<Named>, Failure> {
     let Some(contact) = &found.contact else { return Ok(None) };
     let (Some(history), Some(fit)) = (&contact.history, &contact.stiffness) else { return Ok(None) };
     let figure = StiffnessFigure::new(history, fit).title(&found.record).render()?;
     let heading = format!("{}: contact force over displacement, all periods", found.record);
-    Ok(Some(Drawn { file: format!("contact_{number}.svg"), heading, figure }))
+    Ok(Some(Named::new(format!("contact_{number}.svg"), heading, figure)))
 }
 
 fn pair(measured: Measured) -> (f64, f64) {

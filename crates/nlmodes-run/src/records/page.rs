@@ -1,14 +1,16 @@
 //! `report.html` of records: modal points, figures and findings on one page.
 
-use std::f64::consts::TAU;
 use std::path::Path;
 
-use nlmodes::experiment::extraction::{Measured, RecordExtraction};
+use nlmodes::experiment::extraction::RecordExtraction;
 use nlmodes::report::DataTable;
+use nlmodes::report::columns::{ModalPointRow, Row};
 
 use super::RecordOutcome;
-use super::figures::{Drawn, measured, scattered};
+use super::figures::{measured, scattered};
+use super::table::row;
 use crate::Failure;
+use crate::curve::figures::Named;
 use crate::curve::page::{self, Content};
 use crate::overlay::{Laid, Overlaid};
 use nlmodes_scene::{number, significant};
@@ -26,7 +28,7 @@ pub fn write(
     lines: &[String],
     outcomes: &[RecordOutcome],
     (beside, against): (&[Laid], &Overlaid),
-    figures: &[Drawn],
+    figures: Vec<Named>,
     wrong: &[String],
 ) -> Result<(), Failure> {
     let found: Vec<&RecordExtraction> = outcomes.iter().filter_map(|outcome| outcome.result.as_ref().ok()).collect();
@@ -42,24 +44,20 @@ pub fn write(
         };
     }
     let scattered = scattered(beside, usize::from(own.is_some()));
+    let shown = hardest(&found);
+    let figures = figures.into_iter().filter(|drawn| number_in(&drawn.file).is_none_or(|k| shown.contains(&k)));
+    // The page draws that one itself, to zoom.
+    let figures = figures.filter(|drawn| drawn.file != "frequency_amplitude.svg" || own.is_none());
     let content = Content {
         title,
         lines: lines.to_vec(),
         tables: [points(outcomes)].into_iter().chain(against.tables()).chain([findings(outcomes)]).collect(),
         laid: own.iter().chain(beside.iter().map(|laid| &laid.branch)).collect(),
         scattered,
+        figures: figures.collect(),
         ..Content::default()
     };
-    let shown = hardest(&found);
-    let figures = figures.iter().filter(|drawn| number_in(&drawn.file).is_none_or(|k| shown.contains(&k)));
-    // The page draws that one itself, to zoom.
-    let figures = figures.filter(|drawn| drawn.file != "frequency_amplitude.svg" || own.is_none());
-    page::write(directory, &[], content, |mut report| {
-        for drawn in figures {
-            report = report.figure(&drawn.heading, drawn.figure.clone());
-        }
-        report
-    })
+    page::write(directory, &[], content, |report| report)
 }
 
 /// Numbers, from 1, of the records with the largest contact forces.
@@ -94,28 +92,21 @@ fn points(outcomes: &[RecordOutcome]) -> DataTable {
     ];
     let mut table = DataTable::new("Modal points", &head);
     for outcome in outcomes {
-        let found = outcome.result.as_ref().ok();
-        let text = |of: &dyn Fn(&RecordExtraction) -> Option<Measured>| {
-            found.and_then(of).map_or_else(|| "–".to_owned(), |measured| significant(measured.value, 5))
-        };
+        let found = outcome.result.as_ref().map_or_else(|_| ModalPointRow::unknown(), |found| row(found, 0));
+        let none = || "–".to_owned();
+        let text = |value: Option<f64>| value.map_or_else(none, |value| significant(value, 5));
         table.rows.push(vec![
             // A name, even one that begins with a digit.
             format!(" {}", outcome.name()),
-            outcome.level.map_or_else(|| "–".to_owned(), number),
-            found.map_or_else(|| "–".to_owned(), |found| format!("{:.5}", found.omega.value / TAU)),
-            text(&|found| Some(found.modal.as_ref()?.amplitude)),
-            text(&|found| found.modal.as_ref()?.damping),
-            text(&|found| Some(found.excitation.as_ref()?.lag.times(1f64.to_degrees()))),
-            text(&|found| Some(found.excitation.as_ref()?.pbmif)),
-            text(&|found| Some(found.contact.as_ref()?.peak_force)),
-            text(&|found| {
-                let fit = found.contact.as_ref()?.stiffness?;
-                Some(Measured { value: fit.stiffness, uncertainty: fit.stiffness_error })
-            }),
-            text(&|found| {
-                let statistics = found.contact.as_ref()?.restitution.as_ref()?.statistics();
-                Some(Measured { value: statistics.mean, uncertainty: statistics.std })
-            }),
+            outcome.level.map_or_else(none, number),
+            found.frequency_hz.map_or_else(none, |hz| format!("{hz:.5}")),
+            text(found.modal_amplitude),
+            text(found.damping),
+            text(found.lag_deg),
+            text(found.pbmif),
+            text(found.peak_contact_force_n),
+            text(found.contact_stiffness_n_m),
+            text(found.restitution_mean),
             outcome.finding_names(),
         ]);
     }

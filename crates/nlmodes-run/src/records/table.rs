@@ -13,30 +13,21 @@ use crate::Failure;
 /// Least number of participation columns.
 const PARTICIPATIONS: usize = 2;
 
-/// What sets the level of the drive of a test.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Drive {
-    /// The amplitude of the signal to the exciter, V.
-    Signal,
-    /// The amplitude of an ideal force, N.
-    Force,
-}
-
 /// The table of records, or of the levels of a test.
 pub struct Table {
     like: ModalPointRow,
-    drive: Option<Drive>,
+    drive: Option<&'static str>,
     rows: Vec<ModalPointRow>,
 }
 
 impl Table {
     /// With the participation of so many modes, and a column for the level of the drive of a test.
-    pub fn new(modes: usize, drive: Option<Drive>) -> Self {
+    pub fn new(modes: usize, drive: Option<&'static str>) -> Self {
         let none = || Numbered(vec![None; modes.max(PARTICIPATIONS)]);
-        let level = |of: Drive| Sometimes((drive == Some(of)).then_some(None));
+        let level = |of: &str| Sometimes((drive == Some(of)).then_some(None));
         let like = ModalPointRow {
-            drive_v: level(Drive::Signal),
-            drive_n: level(Drive::Force),
+            drive_v: level("V"),
+            drive_n: level("N"),
             participation: none(),
             participation_uncertainty: none(),
             ..ModalPointRow::unknown()
@@ -54,7 +45,7 @@ impl Table {
 
     /// Adds a row. Cells that a record does not give are empty.
     pub fn push(&mut self, outcome: &RecordOutcome) {
-        let level = |of: Drive| Sometimes((self.drive == Some(of)).then_some(outcome.level));
+        let level = |of: &str| Sometimes((self.drive == Some(of)).then_some(outcome.level));
         let modes = self.like.participation.0.len();
         let segment = outcome.segment.as_ref();
         let instant = |of: fn(&Segment) -> f64| Sometimes(self.like.from_s.0.map(|_| segment.map(of)));
@@ -66,8 +57,8 @@ impl Table {
             segment: Sometimes(self.like.segment.0.is_some().then_some(segment)),
             from_s,
             to_s,
-            drive_v: level(Drive::Signal),
-            drive_n: level(Drive::Force),
+            drive_v: level("V"),
+            drive_n: level("N"),
             findings: outcome.finding_names(),
             ..extracted.unwrap_or_else(|| self.like.clone())
         });
@@ -107,7 +98,7 @@ fn first(values: Option<&Vec<f64>>, count: usize) -> Numbered<Option<f64>> {
 }
 
 /// What was extracted, without the columns of the test.
-fn row(found: &RecordExtraction, modes: usize) -> ModalPointRow {
+pub fn row(found: &RecordExtraction, modes: usize) -> ModalPointRow {
     let (modal, excitation, contact) = (found.modal.as_ref(), found.excitation.as_ref(), found.contact.as_ref());
     let impacts = contact.and_then(|c| c.restitution.as_ref()).map(|restitution| restitution.statistics());
     let stiffness = contact.and_then(|c| c.stiffness);
@@ -133,12 +124,6 @@ fn row(found: &RecordExtraction, modes: usize) -> ModalPointRow {
     let [balance_stiffness_n_m, balance_stiffness_n_m_uncertainty] = both(balance.and_then(|b| b.stiffness));
     let [energy_j, energy_j_uncertainty] = both(modal.map(|m| m.kinetic_energy));
     ModalPointRow {
-        record: String::new(),
-        segment: Sometimes(None),
-        from_s: Sometimes(None),
-        to_s: Sometimes(None),
-        drive_v: Sometimes(None),
-        drive_n: Sometimes(None),
         frequency_hz,
         modal_amplitude,
         damping,
@@ -186,6 +171,6 @@ fn row(found: &RecordExtraction, modes: usize) -> ModalPointRow {
         balance_stiffness_n_m_uncertainty,
         energy_j_uncertainty,
         participation_uncertainty: first(modal.map(|m| &m.participation_uncertainty), modes),
-        findings: String::new(),
+        ..ModalPointRow::unknown()
     }
 }

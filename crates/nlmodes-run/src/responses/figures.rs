@@ -10,11 +10,9 @@ use super::curves::ComputedResponse;
 use super::sweeps::Sweep;
 use crate::Failure;
 use crate::curve;
+use crate::curve::figures::Named;
 use crate::model::Model;
 use crate::overlay::LaidCurve;
-
-/// Name of the file, title, and the figure.
-pub type Named = (&'static str, &'static str, Figure);
 
 /// The figures that have something to show, the first one being what the run is about.
 pub fn all(
@@ -27,9 +25,8 @@ pub fn all(
     for drawn in drawn(model.unit, !model.contacts.is_empty()) {
         let (file, title) = (drawn.file, drawn.title);
         let swept = if file == "responses.svg" { sweeps } else { &[] };
-        found.extend(
-            drawn.figure(&scene.title, (curves, laid), (swept, model.unit))?.map(|figure| (file, title, figure)),
-        );
+        let figure = drawn.figure(&scene.title, (curves, laid), (swept, model.unit))?;
+        found.extend(figure.map(|figure| Named::new(file, title, figure)));
     }
     Ok(found)
 }

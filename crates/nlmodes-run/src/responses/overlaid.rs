@@ -21,18 +21,6 @@ const SAME_LEVEL: f64 = 1e-6;
 /// Fundamental of the first contact, that of the drive point, m, and largest contact force, N; NaN where it is unknown.
 type Sizes = [f64; 3];
 
-/// A point beside the curve of the scene.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Beside {
-    /// Its number among the rows of its table with a frequency.
-    number: usize,
-    /// Frequency of the load, Hz.
-    frequency: f64,
-    level: f64,
-    laid: Sizes,
-    own: Sizes,
-}
-
 fn sizes(point: &ModalPoint) -> Sizes {
     [point.fundamental.abs(), figures::drive(point), point.peak_contact_force]
 }
@@ -46,7 +34,7 @@ pub fn read(file: &SceneFile, observer: &mut dyn Observer) -> Result<Vec<LaidCur
 }
 
 /// Each point that lies within the curves over the frequency of this scene, beside the one that is nearest there.
-pub fn beside(laid: &LaidCurve, curves: &[ComputedResponse]) -> Vec<Beside> {
+pub fn beside(laid: &LaidCurve, curves: &[ComputedResponse]) -> Vec<ResponseDifferenceRow> {
     // Modes and phase resonances belong to no level.
     if !matches!(laid.kind, LineKind::Response | LineKind::Measured) {
         return Vec::new();
@@ -57,12 +45,19 @@ pub fn beside(laid: &LaidCurve, curves: &[ComputedResponse]) -> Vec<Beside> {
         .map(|computed| computed.branch.points.as_slice())
         .collect();
     let beside = |(k, point): (usize, &ModalPoint)| {
-        Some(Beside {
-            number: laid.first + k,
-            frequency: figures::hertz(point),
+        let ([fundamental, drive, force], [own_fundamental, own_drive, own_force]) =
+            (sizes(point), nearest(point, &own)?);
+        Some(ResponseDifferenceRow {
+            overlay: laid.branch.label.clone(),
+            point: laid.first + k,
+            frequency_hz: figures::hertz(point),
             level: figures::level(point),
-            laid: sizes(point),
-            own: nearest(point, &own)?,
+            fundamental_m: fundamental,
+            curve_fundamental_m: own_fundamental,
+            drive_fundamental_m: drive,
+            curve_drive_fundamental_m: own_drive,
+            peak_contact_force_n: force,
+            curve_peak_contact_force_n: own_force,
         })
     };
     laid.branch.points.iter().enumerate().filter_map(beside).collect()
@@ -90,7 +85,7 @@ fn nearest(point: &ModalPoint, curves: &[&[ModalPoint]]) -> Option<Sizes> {
 }
 
 /// What is to be reported of points that have no counterpart; nothing where all have one, or where none can have one.
-pub fn left_out(laid: &LaidCurve, found: &[Beside]) -> Option<String> {
+pub fn left_out(laid: &LaidCurve, found: &[ResponseDifferenceRow]) -> Option<String> {
     let (all, left) = (laid.branch.points.len(), laid.branch.points.len() - found.len());
     if left == 0 || !matches!(laid.kind, LineKind::Response | LineKind::Measured) {
         return None;
@@ -103,16 +98,16 @@ pub fn left_out(laid: &LaidCurve, found: &[Beside]) -> Option<String> {
 }
 
 /// Whether what is laid over moves more or less, in a sentence.
-pub fn sentence(laid: &LaidCurve, found: &[Beside]) -> String {
+pub fn sentence(laid: &LaidCurve, found: &[ResponseDifferenceRow]) -> String {
     let name = &laid.branch.label;
-    let part = |what: &str, k: usize| {
-        let (range, points) = percent(found.iter().map(|beside| (beside.laid[k], beside.own[k])))?;
+    let part = |what: &str, of: fn(&ResponseDifferenceRow) -> (f64, f64)| {
+        let (range, points) = percent(found.iter().map(of))?;
         Some(format!("{what} differs {}", by(range, points)))
     };
     let parts = [
-        part("its fundamental at the first contact", 0),
-        part("its fundamental at the drive point", 1),
-        part("its largest contact force", 2),
+        part("its fundamental at the first contact", |row| (row.fundamental_m, row.curve_fundamental_m)),
+        part("its fundamental at the drive point", |row| (row.drive_fundamental_m, row.curve_drive_fundamental_m)),
+        part("its largest contact force", |row| (row.peak_contact_force_n, row.curve_peak_contact_force_n)),
     ];
     let parts: Vec<String> = parts.into_iter().flatten().collect();
     if parts.is_empty() {
@@ -125,23 +120,11 @@ pub fn sentence(laid: &LaidCurve, found: &[Beside]) -> String {
 ///
 /// # Errors
 /// [`ReportError::Io`].
-pub fn write(directory: &Path, all: &[(LaidCurve, Vec<Beside>)]) -> Result<(), ReportError> {
+pub fn write(directory: &Path, all: &[(LaidCurve, Vec<ResponseDifferenceRow>)]) -> Result<(), ReportError> {
     if all.is_empty() {
         return Ok(());
     }
-    let row = |name: &str, beside: &Beside| ResponseDifferenceRow {
-        overlay: name.to_owned(),
-        point: beside.number,
-        frequency_hz: beside.frequency,
-        level: beside.level,
-        fundamental_m: beside.laid[0],
-        curve_fundamental_m: beside.own[0],
-        drive_fundamental_m: beside.laid[1],
-        curve_drive_fundamental_m: beside.own[1],
-        peak_contact_force_n: beside.laid[2],
-        curve_peak_contact_force_n: beside.own[2],
-    };
-    let rows = all.iter().flat_map(|(laid, found)| found.iter().map(move |beside| row(&laid.branch.label, beside)));
+    let rows = all.iter().flat_map(|(_, found)| found).cloned();
     write_rows(directory.join("response_overlay.csv"), &ResponseDifferenceRow::unknown(), rows)
 }
 

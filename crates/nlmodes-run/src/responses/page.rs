@@ -9,12 +9,13 @@ use nlmodes_scene::scene::Scene;
 use nlmodes_scene::{number, short};
 
 use super::curves::ComputedResponse;
-use super::figures::{self, Named, kind};
+use super::figures::{self, kind};
 use super::levels::{self, Level};
 use super::viewed::{Viewed, pictured_of};
 use crate::Failure;
 use crate::certificate::Certificate;
 use crate::curve::Curve;
+use crate::curve::figures::Named;
 use crate::curve::histories::Reference;
 use crate::curve::page::{self, Certified, Content};
 use crate::curve::space::Period;
@@ -52,7 +53,10 @@ pub fn write(
     let each: Vec<&dyn Curve> = curves.iter().map(|curve| curve as &dyn Curve).collect();
     let (harmonics, modes) = (scene.method.harmonics, model.open_modes().n_modes());
     let without = all.iter().filter_map(|one| Some(format!("{}: {}", one.branch.label, one.said().err()?)));
+    let mut figures = shown.figures.into_iter();
+    let (first, is_overlaid) = (figures.next(), shown.is_overlaid);
     let content = Content {
+        figures: figures.collect(),
         title: &scene.title,
         held: each.first().map_or_else(Vec::new, |first| held_ends(scene, first.branch())),
         lines: std::iter::once(format!("Damped and forced motions; {harmonics} harmonics, {modes} modes"))
@@ -68,25 +72,19 @@ pub fn write(
         period: shown.period,
         ..Content::default()
     };
-    let (figures, is_overlaid) = (shown.figures, shown.is_overlaid);
     page::write(directory, &each, content, |mut report| {
         report = report.kinds(&curves.iter().map(|curve| kind(curve.kind())).collect::<Vec<_>>());
         for (label, value) in quantities(model) {
             let of = |curve: &&dyn Curve| curve.branch().points.iter().map(value).collect();
             report = report.quantity(label, each.iter().map(of).collect());
         }
-        for (k, (name, title, figure)) in figures.into_iter().enumerate() {
-            report = match (k, axes(name)) {
-                // What is laid over is in the figure as it was written.
-                (0, Some(axes)) if is_overlaid => {
-                    report.main_figure(title, figure.clone(), axes).leading_figure(title, figure)
-                }
-                (0, Some(axes)) => report.main_figure(title, figure, axes),
-                (0, None) => report.leading_figure(title, figure),
-                _ => report.figure(title, figure),
-            };
+        let Some(Named { file, title, figure }) = first else { return report };
+        match axes(&file) {
+            // What is laid over is in the figure as it was written.
+            Some(axes) if is_overlaid => report.main_figure(&title, figure.clone(), axes).leading_figure(title, figure),
+            Some(axes) => report.main_figure(title, figure, axes),
+            None => report.leading_figure(title, figure),
         }
-        report
     })
 }
 

@@ -16,7 +16,7 @@ use super::viewed::{Viewed, pictured_of, viewed};
 use crate::Failure;
 use crate::certificate::Certificate;
 use crate::curve::space::Period;
-use crate::curve::summary::{At, AtRest, ContactAt, End, Reduction, Resonance, Stability, largest_residual};
+use crate::curve::summary::{AtRest, ContactAt, End, Reduction, Resonance, Stability, largest_residual, place};
 use crate::model::Model;
 
 /// Writes it.
@@ -38,7 +38,7 @@ pub fn write(
     for (number, computed) in curves.iter().enumerate() {
         all.push(curve(computed, first));
         let period = period.filter(|_| pictured == Some(number));
-        motion = motion.or(period.and_then(|period| At::of(&computed.branch.points, first, period.point)));
+        motion = motion.or(period.and_then(|period| place(&computed.branch.points, first, period.point)));
         first += computed.branch.points.len();
     }
     let open = model.reduction.as_ref();

@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use crate::course::Cosine;
 use crate::model::Model;
 use crate::model::{push_laws, structure};
-use crate::{Event, Observer, RunError, chain};
+use crate::{Event, Observer, RunError, chain, refusal};
 
 /// Bandwidths `2 ζ f` of the mode by which the frequency moves in the time `1/(2 ζ f)`, where the scene does not say.
 const SLOW: f64 = 0.25;
@@ -134,13 +134,12 @@ impl Driven {
         let [low, high] = response.frequency_hz[..] else { return Err(RunError::NoScene) };
         let [from, to] = if sweep.up { [low, high] } else { [high, low] };
         let (omega, rate) = (TAU * from, TAU * (to - from) / sweep.duration);
-        let failed = |error: &(dyn std::error::Error + 'static)| -> RunError {
-            file.error_at(&format!("response.{}.sweep", sweep.response), &chain(error), "here", &[]).into()
-        };
+        let key = format!("response.{}.sweep", sweep.response);
         let mut structure = structure(file, model)?;
         let (m, c) = (structure.n_modes(), structure.n_contacts());
         let first = model.first_place();
-        let rows = model.response().rows(std::slice::from_ref(&first)).map_err(|error| failed(&error))?;
+        let rows =
+            model.response().rows(std::slice::from_ref(&first)).map_err(|error| refusal::here(file, &key, &error))?;
         let Some(row) = rows.first() else { return Err(RunError::NoScene) };
         let mut signals = Vec::new();
         // Of each load its term, and which part of that it is.
@@ -154,7 +153,7 @@ impl Driven {
                 if modal.iter().chain(&gaps).all(|v| *v == 0.0) {
                     continue;
                 }
-                structure.push_input(&modal, &gaps).map_err(|error| failed(&error))?;
+                structure.push_input(&modal, &gaps).map_err(|error| refusal::here(file, &key, &error))?;
                 inputs.push((number, part));
                 let n = term.harmonic as f64;
                 let (start, end) = (0.0, f64::INFINITY);
@@ -165,7 +164,9 @@ impl Driven {
             |row: &ResponseRow| inputs.iter().map(|(number, part)| part(&row.loads[*number])).collect::<Vec<f64>>();
         push_laws(file, model, &mut structure, &|_, row| moved(row))?;
         let by_inputs = [moved(row), row.contacts[c..].to_vec()].concat();
-        structure.push_observed(&row.modes[..m], &row.contacts[..c], &by_inputs).map_err(|error| failed(&error))?;
+        structure
+            .push_observed(&row.modes[..m], &row.contacts[..c], &by_inputs)
+            .map_err(|error| refusal::here(file, &key, &error))?;
         Ok(Self { structure, signals, omega, rate })
     }
 

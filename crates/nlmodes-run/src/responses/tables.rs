@@ -9,10 +9,10 @@ use nlmodes::report::{ReportError, write_rows};
 use nlmodes_scene::scene::Scene;
 
 use super::curves::ComputedResponse;
-use super::viewed::viewed;
+use super::viewed::{Viewed, viewed};
 use crate::Failure;
 use crate::curve::Curve;
-use crate::forces::{self, Forces};
+use crate::forces;
 use crate::model::Model;
 
 /// All points of the curves in the order of `branch.csv`, with the curve of each.
@@ -33,13 +33,18 @@ pub fn write_points(
     fs::create_dir_all(directory).map_err(|source| ReportError::Io { path: directory.to_path_buf(), source })?;
     let shown = viewed(scene, model, curves);
     let gradients = GradientColumns::of(shown.iter().flat_map(|one| &one.branch().points));
-    let rows = shown.iter().flat_map(|one| (0..one.branch().points.len()).map(move |k| (one, k)));
-    let rows = rows.enumerate().filter_map(|(index, (one, k))| {
-        let point = one.branch().points.get(k)?;
-        Some(((BranchRow::of(index, point), one.response_row(k)?), gradients.cells(point)))
-    });
+    let points = shown.iter().flat_map(|one| &one.branch().points);
+    let rows = rows(&shown).zip(points).map(|(row, point)| (row, gradients.cells(point)));
     let like = ((BranchRow::unknown(), ResponseRow::unknown()), gradients.cells(&ModalPoint::default()));
     write_rows(directory.join("branch.csv"), &like, rows)
+}
+
+/// The points of these curves, one after the other.
+pub fn rows<'a>(shown: &'a [Viewed<'a>]) -> impl Iterator<Item = (BranchRow, ResponseRow)> + 'a {
+    let points = shown.iter().flat_map(|one| one.branch().points.iter().enumerate().map(move |point| (one, point)));
+    points
+        .enumerate()
+        .filter_map(|(index, (one, (k, point)))| Some((BranchRow::of(index, point), one.response_row(k)?)))
 }
 
 /// Writes `appropriation.csv`, the forces of each drive point in each harmonic, where they were computed.
@@ -48,15 +53,11 @@ pub fn write_forces(directory: &Path, curves: &[ComputedResponse]) -> Result<(),
     let mut first = 0;
     for computed in curves {
         for (i, (found, point)) in computed.appropriations.iter().zip(&computed.branch.points).enumerate() {
-            let of = |(drive, force): (usize, &'_ Vec<_>)| Forces {
-                point: first + i,
-                omega: point.listed_omega(),
-                drive,
-                amplitudes: force.iter().skip(1).copied().collect(),
-            };
-            rows.extend(found.forces.iter().enumerate().map(of));
+            for (drive, force) in found.forces.iter().enumerate() {
+                rows.extend(forces::rows(first + i, point.listed_omega(), drive, force.get(1..).unwrap_or_default()));
+            }
         }
         first += computed.branch.points.len();
     }
-    forces::write(directory, &rows)
+    forces::write(directory, rows)
 }

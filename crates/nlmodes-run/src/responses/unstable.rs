@@ -5,7 +5,9 @@ use nlmodes_scene::short;
 use serde::Serialize;
 
 use super::curves::ComputedResponse;
-use super::levels::{Level, frequency, size};
+use super::levels::{Level, frequency};
+use super::tables;
+use super::viewed::viewed;
 use crate::certificate::Looking;
 use crate::chain;
 use crate::model::Model;
@@ -46,7 +48,7 @@ const CHECK: &str = "what unstable motions become";
 
 /// Follows the middle of each unstable segment of the levels, for as long as `look` lets it.
 pub fn follow((scene, model): (&Scene, &Model), curves: &[ComputedResponse], levels: &mut [Level], look: Looking<'_>) {
-    let rows = rows(curves);
+    let rows: Vec<Row> = tables::rows(&viewed(scene, model, curves)).collect();
     let mut stretches: Vec<(usize, usize, [usize; 2])> = Vec::new();
     let mut first = 0;
     for (number, computed) in curves.iter().enumerate() {
@@ -86,19 +88,4 @@ fn unstable(of: &ComputedResponse) -> Vec<[usize; 2]> {
     let is_unstable = |k: usize| of.branch.points[k].stability.and_then(|stability| stability.stable) == Some(false);
     let points: Vec<usize> = (0..of.branch.points.len()).filter(|k| is_unstable(*k)).collect();
     points.chunk_by(|a, b| a + 1 == *b).filter_map(|own| Some([*own.first()?, *own.last()?])).collect()
-}
-
-/// All points as in `branch.csv`.
-fn rows(curves: &[ComputedResponse]) -> Vec<Row> {
-    let all = curves.iter().enumerate().flat_map(|(curve, of)| of.branch.points.iter().map(move |p| (curve, of, p)));
-    let row = |(point, (curve, of, found)): (usize, (usize, &ComputedResponse, _))| Row {
-        point,
-        response: of.response + 1,
-        kind: of.kind.name().to_owned(),
-        curve,
-        frequency_hz: frequency(found),
-        level: of.level.filter(|_| of.kind.is_forced()),
-        fundamental: size(found),
-    };
-    all.enumerate().map(row).collect()
 }

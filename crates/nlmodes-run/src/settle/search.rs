@@ -12,10 +12,11 @@ use num_complex::Complex64;
 
 use super::lines::two_lines;
 use super::near::{self, Row};
-use super::{Becomes, SettleError, SettleSettings, Size};
-use crate::chain;
+use super::{Becomes, SettleSettings, Size};
 use crate::model::Model;
-use crate::motion::{Motion, scene_of, state_of};
+use crate::motion::{Motion, state_of};
+use crate::verify::VerifyError;
+use crate::verify::results::scene_of;
 
 /// States of a period that are looked at.
 const STATES: usize = 16;
@@ -93,58 +94,58 @@ impl Search {
     /// Reads a point of a forced response.
     ///
     /// # Errors
-    /// [`SettleError`].
-    pub fn read(directory: &Path, point: usize) -> Result<Self, SettleError> {
+    /// [`VerifyError`].
+    pub fn read(directory: &Path, point: usize) -> Result<Self, VerifyError> {
         Self::read_if(directory, point, ResponseKind::is_forced)
     }
 
     /// Reads a point of a forced response, or of a nonlinear mode without damping.
     ///
     /// # Errors
-    /// [`SettleError`].
-    pub fn read_any(directory: &Path, point: usize) -> Result<Self, SettleError> {
+    /// [`VerifyError`].
+    pub fn read_any(directory: &Path, point: usize) -> Result<Self, VerifyError> {
         Self::read_if(directory, point, |kind| kind.is_forced() || kind == ResponseKind::Mode)
     }
 
-    fn read_if(directory: &Path, point: usize, is: impl Fn(ResponseKind) -> bool) -> Result<Self, SettleError> {
+    fn read_if(directory: &Path, point: usize, is: impl Fn(ResponseKind) -> bool) -> Result<Self, VerifyError> {
         let scene = scene_of(directory)?;
         if scene.responses.is_empty() {
-            return Err(SettleError::NoResponses);
+            return Err(VerifyError::NoResponses);
         }
         let rows = near::rows(directory)?;
         let row = rows.get(point).cloned().ok_or_else(|| {
             let (path, points) = (directory.join("branch.csv"), rows.len());
-            SettleError::NoSuchPoint { path, point, points }
+            VerifyError::NoSuchRow { path, point, points }
         })?;
-        let response = row.response.checked_sub(1).and_then(|i| scene.responses.get(i));
+        let (row, of) = row;
+        let response = of.response.checked_sub(1).and_then(|i| scene.responses.get(i));
         let Some(response) = response.filter(|response| is(response.kind)) else {
-            return Err(SettleError::NotForced { point, kind: row.kind });
+            return Err(VerifyError::NotForced { point, kind: of.kind });
         };
         // A free motion has no level.
-        let level = if response.kind.is_forced() { row.level } else { Some(0.0) };
-        let Some(level) = level else { return Err(SettleError::NotForced { point, kind: row.kind }) };
+        let level = if response.kind.is_forced() { of.level } else { Some(0.0) };
+        let Some(level) = level else { return Err(VerifyError::NotForced { point, kind: of.kind }) };
         let subharmonic = if response.kind.is_forced() { response.subharmonic } else { 1 };
         let is_free = !response.kind.is_forced();
         let file = SceneFile::without_text(scene, &directory.join("summary.json").display().to_string());
-        let failed = |error: &(dyn std::error::Error + 'static)| SettleError::Structure { reason: chain(error) };
-        let (model, _) = Model::with_parts(&file, &Structures::default()).map_err(|error| failed(&error))?;
+        let (model, _) =
+            Model::with_parts(&file, &Structures::default()).map_err(|error| VerifyError::structure(&error))?;
         let motion = Motion::read(directory, point)?;
         let at = Forced { point, level, omega: TAU * row.frequency_hz, subharmonic };
         let structure = match is_free {
             true => model.response().conservative_in_time(),
             false => model.response().in_time(at.omega),
         };
-        let structure = structure.map_err(|error| failed(&error))?;
+        let structure = structure.map_err(|error| VerifyError::structure(&error))?;
         Self::of(structure, &model, (at, is_free), &motion, rows)
     }
 
     /// Of a point with its motion among those of `rows`; finds the exact motion next to it.
     ///
     /// # Errors
-    /// [`SettleError`].
-    pub fn new(model: &Model, at: Forced, motion: &Motion, rows: Vec<Row>) -> Result<Self, SettleError> {
-        let failed = |error: &(dyn std::error::Error + 'static)| SettleError::Structure { reason: chain(error) };
-        let structure = model.response().in_time(at.omega).map_err(|error| failed(&error))?;
+    /// [`VerifyError`].
+    pub fn new(model: &Model, at: Forced, motion: &Motion, rows: Vec<Row>) -> Result<Self, VerifyError> {
+        let structure = model.response().in_time(at.omega).map_err(|error| VerifyError::structure(&error))?;
         Self::of(structure, model, (at, false), motion, rows)
     }
 
@@ -154,16 +155,16 @@ impl Search {
         (at, is_free): (Forced, bool),
         motion: &Motion,
         rows: Vec<Row>,
-    ) -> Result<Self, SettleError> {
-        let failed = |error: &(dyn std::error::Error + 'static)| SettleError::Structure { reason: chain(error) };
+    ) -> Result<Self, VerifyError> {
         let Forced { level, omega, subharmonic, .. } = at;
         if structure.n_modes() > MAX_SHOOTING_MODES {
             let (found, most) = (structure.n_modes(), MAX_SHOOTING_MODES);
             return Err(TimestepError::TooManyModes { found, most }.into());
         }
         let first = model.first_place();
-        observe(model, &mut structure, &first, (omega, is_free)).map_err(|error| failed(error.as_ref()))?;
-        let state = |share: f64| state_of(motion, model, share).map_err(|reason| SettleError::Structure { reason });
+        observe(model, &mut structure, &first, (omega, is_free))
+            .map_err(|error| VerifyError::structure(error.as_ref()))?;
+        let state = |share: f64| state_of(motion, model, share).map_err(|reason| VerifyError::Structure { reason });
         let near = state(0.0)?;
         let mut start = None;
         // A free motion is one of a family, which no load holds.
@@ -195,8 +196,8 @@ impl Search {
     /// Difference of the state of the point after a period of its motion to that at the beginning, over its size.
     ///
     /// # Errors
-    /// [`SettleError::Integration`].
-    pub fn missing(&self) -> Result<f64, SettleError> {
+    /// [`VerifyError::Integration`].
+    pub fn missing(&self) -> Result<f64, VerifyError> {
         let end = self.structure.after(self.at.level, self.at.omega, self.at.subharmonic, &self.near)?;
         Ok(self.structure.distance(&self.near, &end))
     }
@@ -209,8 +210,8 @@ impl Search {
     /// Follows the disturbed motion; what it becomes, and the periods of the load that this took.
     ///
     /// # Errors
-    /// [`SettleError::Integration`].
-    pub fn follow(&self, settings: SettleSettings) -> Result<(Becomes, usize), SettleError> {
+    /// [`VerifyError::Integration`].
+    pub fn follow(&self, settings: SettleSettings) -> Result<(Becomes, usize), VerifyError> {
         // Where no exact motion is near, the point itself is disturbed by what its harmonics leave out.
         let state: Vec<f64> = match &self.start {
             Some(start) => {
@@ -321,7 +322,7 @@ impl Search {
         found.unwrap_or_else(|| (motion.clone(), periods))
     }
 
-    fn verdict(&self, motion: &ForcedMotion, periods: usize) -> Result<Becomes, SettleError> {
+    fn verdict(&self, motion: &ForcedMotion, periods: usize) -> Result<Becomes, VerifyError> {
         let largest_multiplier = motion.multipliers.first().map_or(0.0, |most| most.norm());
         let after = Self::size(motion);
         let nearest = near::nearest(&self.rows, self.at.level, self.at.omega / TAU, after.fundamental_m);
@@ -340,7 +341,7 @@ impl Search {
     }
 
     /// Whether a motion is that of the point, at the beginning of any period of the load.
-    fn is_on(&self, motion: &ForcedMotion, start: &ForcedMotion) -> Result<bool, SettleError> {
+    fn is_on(&self, motion: &ForcedMotion, start: &ForcedMotion) -> Result<bool, VerifyError> {
         let mut state = start.state.clone();
         for _ in 0..self.at.subharmonic {
             if self.structure.distance(&state, &motion.state) < SAME {

@@ -6,9 +6,11 @@ use std::path::Path;
 
 use nlmodes_scene::{number, short};
 
+use super::Size;
 use super::search::Search;
-use super::{SettleError, Size};
-use crate::motion::{Motion, scene_of};
+use crate::motion::Motion;
+use crate::verify::VerifyError;
+use crate::verify::results::scene_of;
 
 /// Result for a point of a response.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,33 +27,24 @@ pub struct FoundResponse {
     pub missing: f64,
     /// The displacement of the first contact, spring or force.
     size: Size,
-    /// The exact motion under the same load next to it; none where none was found, and of free motions.
-    pub exact: Option<ExactResponse>,
-}
-
-/// The exact motion next to a point of a response.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ExactResponse {
-    /// Distance of the first state of the point to its own, over its size.
-    pub off: f64,
-    /// Its displacement.
-    pub size: Size,
-    /// Largest multiplier: real part, imaginary part.
-    pub multiplier: [f64; 2],
+    /// Of the exact motion under the same load next to it the distance of the first states over its size, its
+    /// displacement, and its largest multiplier (real part, imaginary part); none where none was found, and of free
+    /// motions.
+    pub exact: Option<(f64, Size, [f64; 2])>,
 }
 
 /// One period of the structure, in the modes of the run, from a point of responses: under its load, or free without
 /// dissipation from one of a nonlinear mode.
 ///
 /// # Errors
-/// [`SettleError`] if there is no such point, or the structure cannot be integrated.
-pub fn verify_response(directory: &Path, point: usize) -> Result<FoundResponse, SettleError> {
+/// [`VerifyError`] if there is no such point, or the structure cannot be integrated.
+pub fn verify_response(directory: &Path, point: usize) -> Result<FoundResponse, VerifyError> {
     let title = scene_of(directory)?.title;
     let harmonics = Motion::read(directory, point)?.coefficients.n_harmonics();
     let search = Search::read_any(directory, point)?;
     let exact = search.start.as_ref().zip(search.off()).map(|(start, off)| {
         let most = start.multipliers.first().copied().unwrap_or_default();
-        ExactResponse { off, size: Search::size(start), multiplier: [most.re, most.im] }
+        (off, Search::size(start), [most.re, most.im])
     });
     Ok(FoundResponse {
         title,
@@ -80,15 +73,14 @@ impl FoundResponse {
         line("one period in time", format!("{period:.9e} s"));
         line("what is missing after it", format!("{:.2e} of the largest", self.missing));
         line("displacement of the point", of(&self.size));
-        match (&self.exact, self.level) {
-            (Some(exact), _) => {
-                let [re, im] = exact.multiplier;
+        match (self.exact, self.level) {
+            (Some((off, size, [re, im])), _) => {
                 let imaginary = if im == 0.0 { String::new() } else { format!(" ± {} i", short(im.abs())) };
                 let stable = if re.hypot(im) < 1.0 { "stable" } else { "unstable" };
                 text.push_str("\nexact motion under the same load next to it, by shooting\n");
                 let mut line = |what: &str, value: String| _ = writeln!(text, "{what:<44}{value}");
-                line("  its distance", format!("{:.2e} of its size", exact.off));
-                line("  its displacement", of(&exact.size));
+                line("  its distance", format!("{:.2e} of its size", off));
+                line("  its displacement", of(&size));
                 line("  largest Floquet multiplier", format!("{}{imaginary}, {stable}", short(re)));
             }
             (None, Some(_)) => text.push_str("\nno exact motion under the same load was found next to it\n"),

@@ -10,7 +10,7 @@ use nlmodes_scene::scene::{Course, LoadOn, Place, Transient};
 use super::noise;
 use crate::course::{Cosine, Lines, chirp, half_sine};
 use crate::model::{Model, Reduced, base_force, push_laws, structure};
-use crate::{RunError, chain, two_columns};
+use crate::{RunError, refusal, two_columns};
 
 /// A structure with its loads.
 pub struct Prepared {
@@ -52,12 +52,9 @@ impl Prepared {
         let (mut residuals, mut driven) = (Vec::new(), Vec::new());
         for (i, load) in transient.loads.iter().enumerate() {
             let path = format!("transient.load.{i}");
-            let failed = |error: &(dyn std::error::Error + 'static)| -> RunError {
-                file.error_at(&path, &chain(error), "here", &[]).into()
-            };
             let force = match &load.on {
                 LoadOn::Force(place) => {
-                    let weights = weights(file, parts, &format!("{path}.at_m"), place)?;
+                    let weights = parts.moving(file, &format!("{path}.at_m"), place)?;
                     let mut force = vec![0.0; model.open_modes().n_dofs()];
                     weights.iter().for_each(|&(dof, w)| force[dof] += w);
                     if !driven.iter().any(|(own, _)| own == place) {
@@ -68,13 +65,16 @@ impl Prepared {
                 LoadOn::Base(direction) => base_force(&file.scene, parts, model.reduction.as_ref(), *direction)
                     .map_err(|why| -> RunError { file.error_at(&path, &why, "here", &[]).into() })?,
             };
-            let found = model.open_modes().load(&force).map_err(|error| failed(&error))?;
+            let found = model.open_modes().load(&force).map_err(|error| refusal::here(file, &path, &error))?;
             if let Course::Impact { impulse } = load.course {
                 let modal = found.modal.iter().map(|p| p * impulse).collect();
                 prepared.blows.push(Blow { instant: load.start, modal });
                 continue;
             }
-            prepared.structure.push_input(&found.modal, &found.gaps).map_err(|error| failed(&error))?;
+            prepared
+                .structure
+                .push_input(&found.modal, &found.gaps)
+                .map_err(|error| refusal::here(file, &path, &error))?;
             prepared.push_signal(file, &path, load, transient.duration)?;
             residuals.push(found.residual);
         }
@@ -140,16 +140,13 @@ impl Prepared {
             all.extend(driven.into_iter().map(|(place, weights)| (place_in_words(&place, several), weights)));
         }
         for (i, place) in transient.places.iter().enumerate() {
-            let weights = weights(file, parts, &format!("transient.place.{i}.at_m"), place)?;
+            let weights = parts.moving(file, &format!("transient.place.{i}.at_m"), place)?;
             all.push((place_in_words(place, several), weights));
         }
         let contacts = model.contacts.iter().enumerate();
         all.extend(contacts.map(|(i, weights)| (format!("contact {i} toward its stop"), weights.clone())));
         let functionals: Vec<Weights> = all.iter().map(|(_, weights)| weights.clone()).collect();
-        let failed = |error: &(dyn std::error::Error + 'static)| -> RunError {
-            file.error_at("transient", &chain(error), "here", &[]).into()
-        };
-        let rows = model.response().rows(&functionals).map_err(|error| failed(&error))?;
+        let rows = model.response().rows(&functionals).map_err(|error| refusal::here(file, "transient", &error))?;
         let (m, c) = (self.structure.n_modes(), self.structure.n_contacts());
         for ((name, weights), row) in all.into_iter().zip(rows) {
             let at = |of: &[f64]| weights.iter().map(|&(dof, w)| of[dof] * w).sum::<f64>();
@@ -157,7 +154,7 @@ impl Prepared {
             inputs.extend(&row.contacts[c..]);
             self.structure
                 .push_observed(&row.modes[..m], &row.contacts[..c], &inputs)
-                .map_err(|error| failed(&error))?;
+                .map_err(|error| refusal::here(file, "transient", &error))?;
             let moved = model.state.as_ref().map_or(0.0, |state| at(&state.displacement));
             self.observed.push(Observed { name, moved });
         }
@@ -168,13 +165,4 @@ impl Prepared {
 /// What a unit of each load moves a place beyond the modes, m.
 fn by_loads(residuals: &[Vec<f64>], place: &Weights) -> Vec<f64> {
     residuals.iter().map(|residual| place.iter().map(|&(dof, w)| residual[dof] * w).sum()).collect()
-}
-
-fn weights(file: &SceneFile, parts: &Reduced, path: &str, place: &Place) -> Result<Weights, RunError> {
-    let weights = parts.weights(place).map_err(|why| file.error_at(path, &why, "here", &[]))?;
-    if weights.is_empty() {
-        let title = "the structure does not move there in this direction";
-        return Err(file.error_at(path, title, "expected a place that moves", &[]).into());
-    }
-    Ok(weights)
 }

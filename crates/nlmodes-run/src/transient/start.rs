@@ -6,7 +6,8 @@ use nlmodes_scene::SceneFile;
 use nlmodes_scene::scene::TransientStart;
 
 use crate::model::Model;
-use crate::motion::{Motion, scene_of, state_of};
+use crate::motion::{Motion, state_of};
+use crate::verify::results::scene_of;
 use crate::{RunError, chain};
 
 /// Modal coordinates, their rates, and displacements of the dissipative stops at the beginning.

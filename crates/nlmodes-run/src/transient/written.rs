@@ -4,81 +4,62 @@ use std::time::Duration;
 
 use nlmodes::report::columns::{Row, TouchRow};
 use nlmodes::report::{
-    DataTable, Figure, LineKind, Quantity, ResponseFigure, ResponseLine, TransientHistories, hertz, write_rows,
-    write_summary, write_transient,
+    DataTable, LineKind, Quantity, ResponseFigure, ResponseLine, TransientHistories, hertz, write_rows, write_summary,
+    write_transient,
 };
 use nlmodes::timestep::Touch;
-use nlmodes_scene::scene::{Scene, Transient};
 use nlmodes_scene::{number, short};
 use serde_json::{Value, json};
 
+use super::Begun;
 use super::histories::{Histories, envelope};
-use super::prepared::Prepared;
 use super::spectrum::spectrum;
 use crate::Failure;
-use crate::curve::figures::drawn;
-use crate::curve::page::{self, Content as PageContent};
-use crate::model::Model;
+use crate::curve::figures::{Named, drawn, write_all};
+use crate::curve::page::{self, Content};
 use crate::style::style_of;
-
-/// What the files are about.
-pub struct Content<'a> {
-    /// The scene.
-    pub scene: &'a Scene,
-    /// Its motion.
-    pub transient: &'a Transient,
-    /// Its structure.
-    pub model: &'a Model,
-    /// Its loads.
-    pub prepared: &'a Prepared,
-}
 
 /// Writes all of them; `times` are those of the integration and of all until then.
 pub fn write(
-    content: &Content<'_>,
+    begun: &Begun<'_>,
     histories: &Histories,
     ended: Option<&str>,
     times: [Duration; 2],
 ) -> Result<(), Failure> {
-    let (directory, scene) = (&content.scene.output_directory, content.scene);
-    let made = made(content, histories);
+    let (directory, scene) = (&begun.scene.output_directory, begun.scene);
+    let made = made(begun, histories);
     write_transient(directory.join("transient.npz"), &made)?;
     write_rows(directory.join("touches.csv"), &TouchRow::unknown(), histories.touches.iter().map(row))?;
-    let summary = summary(content, histories, ended, times);
+    let summary = summary(begun, histories, ended, times);
     write_summary(directory.join("summary.json"), &summary)?;
     if !(scene.files.figures || scene.files.page) {
         return Ok(());
     }
-    let figures = figures(content, &made)?;
+    let figures = figures(begun, &made)?;
     if scene.files.figures {
-        let style = style_of(&scene.files);
-        figures.iter().try_for_each(|(name, _, figure)| figure.styled(&style).write(directory.join(name)))?;
+        write_all(directory, &figures, &style_of(&scene.files))?;
     }
     if !scene.files.page {
         return Ok(());
     }
-    let page = PageContent {
+    let page = Content {
         title: &scene.title,
-        lines: lines(content, histories),
-        warnings: content.model.warnings.iter().cloned().chain(ended.map(str::to_owned)).collect(),
-        tables: vec![largest(content, histories), contacts(histories)],
+        lines: lines(begun, histories),
+        warnings: begun.model.warnings.iter().cloned().chain(ended.map(str::to_owned)).collect(),
+        tables: vec![largest(begun, histories), contacts(histories)],
+        figures,
         documents: vec![("Scene as read, in SI units".to_owned(), serde_json::to_value(scene)?)],
-        ..PageContent::default()
+        ..Content::default()
     };
-    page::write(directory, &[], page, |mut report| {
-        for (_, title, figure) in figures {
-            report = report.figure(title, figure);
-        }
-        report
-    })
+    page::write(directory, &[], page, |report| report)
 }
 
-fn made(content: &Content<'_>, histories: &Histories) -> TransientHistories {
-    let (rate, windows) = (histories.rate, content.transient.envelope_windows);
+fn made(begun: &Begun<'_>, histories: &Histories) -> TransientHistories {
+    let (rate, windows) = (histories.rate, begun.transient.envelope_windows);
     let n = histories.len();
     TransientHistories {
         time: histories.times().collect(),
-        places: content.prepared.observed.iter().map(|of| of.name.clone()).collect(),
+        places: begun.prepared.observed.iter().map(|of| of.name.clone()).collect(),
         displacement: histories.displacement.clone(),
         velocity: histories.velocity.clone(),
         force: histories.force.clone(),
@@ -99,17 +80,17 @@ fn row(touch: &Touch) -> TouchRow {
 }
 
 /// What is reported of a motion.
-pub fn lines(content: &Content<'_>, histories: &Histories) -> Vec<String> {
-    let (modes, rate) = (content.prepared.structure.n_modes(), number(rounded(histories.rate)));
+pub fn lines(begun: &Begun<'_>, histories: &Histories) -> Vec<String> {
+    let (modes, rate) = (begun.prepared.structure.n_modes(), number(rounded(histories.rate)));
     let touches = match histories.touches.len() {
         0 => "no contact is touched".to_owned(),
         1 => "1 touch".to_owned(),
         n => format!("{n} touches"),
     };
-    let duration = number(content.transient.duration);
+    let duration = number(begun.transient.duration);
     let mut lines = vec![format!("{duration} s of motion in {modes} modes, {rate} samples a second; {touches}")];
     lines.extend(
-        content
+        begun
             .prepared
             .observed
             .iter()
@@ -125,17 +106,17 @@ fn rounded(rate: f64) -> f64 {
     (rate * 1e3).round() / 1e3
 }
 
-fn summary(content: &Content<'_>, histories: &Histories, ended: Option<&str>, times: [Duration; 2]) -> Value {
-    let open = content.model.open_modes().omega_squared();
+fn summary(begun: &Begun<'_>, histories: &Histories, ended: Option<&str>, times: [Duration; 2]) -> Value {
+    let open = begun.model.open_modes().omega_squared();
     let frequencies: Vec<f64> = open.iter().map(|w| hertz(w.max(0.0).sqrt())).collect();
-    let places = content.prepared.observed.iter().zip(&histories.extremes);
+    let places = begun.prepared.observed.iter().zip(&histories.extremes);
     let places: Vec<Value> =
         places.map(|(of, [most, least])| json!({ "place": of.name, "largest_m": most, "smallest_m": least })).collect();
-    let contacts: Vec<Value> = (0..histories.peak_force.len()).map(|i| contact(content, histories, i)).collect();
+    let contacts: Vec<Value> = (0..histories.peak_force.len()).map(|i| contact(begun, histories, i)).collect();
     json!({
         "program": "nlmodes-cli",
         "version": env!("CARGO_PKG_VERSION"),
-        "scene": content.scene,
+        "scene": begun.scene,
         "open_frequencies_hz": frequencies,
         "sample_rate_hz": histories.rate,
         "samples": histories.len(),
@@ -150,21 +131,21 @@ fn summary(content: &Content<'_>, histories: &Histories, ended: Option<&str>, ti
     })
 }
 
-fn contact(content: &Content<'_>, histories: &Histories, i: usize) -> Value {
+fn contact(begun: &Begun<'_>, histories: &Histories, i: usize) -> Value {
     let own = || histories.touches.iter().filter(|touch| touch.contact == i);
     json!({
         "contact": i,
         "touches": own().count(),
-        "contact_fraction": histories.closed[i] / content.transient.duration,
+        "contact_fraction": histories.closed[i] / begun.transient.duration,
         "impulse_ns": own().fold(0.0, |sum, touch| sum + touch.impulse),
         "peak_force_n": histories.peak_force[i],
         "approach_velocity_m_s": own().map(|touch| touch.approach).fold(0.0, f64::max),
     })
 }
 
-fn largest(content: &Content<'_>, histories: &Histories) -> DataTable {
+fn largest(begun: &Begun<'_>, histories: &Histories) -> DataTable {
     let mut table = DataTable::new("Largest displacements", &["place", "smallest, m", "largest, m"]);
-    for (of, [most, least]) in content.prepared.observed.iter().zip(&histories.extremes) {
+    for (of, [most, least]) in begun.prepared.observed.iter().zip(&histories.extremes) {
         table.rows.push(vec![of.name.clone(), format!("{least:.6e}"), format!("{most:.6e}")]);
     }
     table
@@ -190,13 +171,10 @@ fn contacts(histories: &Histories) -> DataTable {
 /// Most amplitudes of a spectrum that the figure shows: the strongest of neighbours.
 const SHOWN: usize = 1000;
 
-/// A figure, the name of its file, and its heading.
-type Named = (&'static str, &'static str, Figure);
-
 /// Lowest amplitude of the figure of spectra, over the largest.
 const FAINT: f64 = 1e-6;
 
-fn figures(content: &Content<'_>, made: &TransientHistories) -> Result<Vec<Named>, Failure> {
+fn figures(begun: &Begun<'_>, made: &TransientHistories) -> Result<Vec<Named>, Failure> {
     let line = |name: &str, points: Vec<(f64, f64)>| ResponseLine {
         name: name.to_owned(),
         kind: LineKind::Response,
@@ -213,7 +191,7 @@ fn figures(content: &Content<'_>, made: &TransientHistories) -> Result<Vec<Named
     let title = "Envelope of the motion";
     let envelope = drawn(ResponseFigure::new(&envelopes, time, size).title(title).render())?;
     let largest = made.spectrum.iter().flatten().fold(0.0_f64, |most, v| most.max(*v));
-    let shown = spectrum_end(content, made);
+    let shown = spectrum_end(begun, made);
     let of = |(name, values): (&String, &Vec<f64>)| {
         let points = made.frequency.iter().zip(values).skip(1).take_while(|(hz, _)| **hz <= shown);
         let points: Vec<(f64, f64)> = points.map(|(hz, value)| (*hz, value.max(FAINT * largest))).collect();
@@ -225,12 +203,12 @@ fn figures(content: &Content<'_>, made: &TransientHistories) -> Result<Vec<Named
     let [x, y] = axes;
     let spectrum = drawn(ResponseFigure::new(&spectra, x, y).title("Spectrum of the motion").render())?;
     let all = [("envelope.svg", title, envelope), ("spectrum.svg", "Spectrum of the motion", spectrum)];
-    Ok(all.into_iter().filter_map(|(name, title, figure)| Some((name, title, figure?))).collect())
+    Ok(all.into_iter().filter_map(|(file, title, figure)| Some(Named::new(file, title, figure?))).collect())
 }
 
 /// Highest frequency of the figure: eight times that of the loads or the lowest mode, as sampled.
-fn spectrum_end(content: &Content<'_>, made: &TransientHistories) -> f64 {
-    let lowest = content.model.open_modes().omega_squared().iter().find(|w| **w > 0.0).map_or(0.0, |w| hertz(w.sqrt()));
-    let own = 8.0 * content.prepared.highest_hz.max(lowest);
+fn spectrum_end(begun: &Begun<'_>, made: &TransientHistories) -> f64 {
+    let lowest = begun.model.open_modes().omega_squared().iter().find(|w| **w > 0.0).map_or(0.0, |w| hertz(w.sqrt()));
+    let own = 8.0 * begun.prepared.highest_hz.max(lowest);
     made.frequency.last().copied().unwrap_or(0.0).min(own.max(f64::MIN_POSITIVE))
 }

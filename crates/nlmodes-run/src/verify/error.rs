@@ -1,15 +1,19 @@
 //! Why nothing can be verified.
 
+use std::error::Error;
 use std::io;
 use std::path::PathBuf;
 
 use nlmodes::timestep::TimestepError;
-use thiserror::Error;
+use thiserror::Error as ThisError;
 
+use crate::chain;
 use crate::lcp::ProblemError;
+use crate::sheet::SheetError;
 
-/// Why there is nothing to verify, or it cannot be done.
-#[derive(Debug, Error)]
+/// Why there is nothing to verify or to follow, or it cannot be done.
+#[derive(Debug, ThisError)]
+#[non_exhaustive]
 pub enum VerifyError {
     /// There is no such directory.
     #[error("there is no such directory")]
@@ -77,6 +81,44 @@ pub enum VerifyError {
         /// How many there are.
         points: usize,
     },
+    /// A table cannot be read.
+    #[error(transparent)]
+    Table(#[from] SheetError),
+    /// The results are of free motions.
+    #[error(
+        "these are nonlinear modes, without load and damping: nothing settles. Expected a directory of responses, \
+        [response] with kind = \"frequency\", \"force\" or \"phase-resonance\""
+    )]
+    NoResponses,
+    /// A point of another kind of curve.
+    #[error(
+        "point {point} is one of kind \"{kind}\", expected one of a response: \"frequency\", \"force\" or \
+        \"phase-resonance\""
+    )]
+    NotForced {
+        /// The point.
+        point: usize,
+        /// Its kind.
+        kind: String,
+    },
+    /// A table has no such point.
+    #[error("{}: there is no point {point}: the table has {points}", path.display())]
+    NoSuchRow {
+        /// The table.
+        path: PathBuf,
+        /// The point.
+        point: usize,
+        /// Rows of the table.
+        points: usize,
+    },
+    /// A setting that is not a positive number.
+    #[error("the {what}: {value}, expected a positive number")]
+    NotPositive {
+        /// The setting.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
     /// The structure of the summary cannot be built.
     #[error("the structure of summary.json cannot be built: {reason}")]
     Structure {
@@ -86,6 +128,13 @@ pub enum VerifyError {
     /// The motion cannot be integrated.
     #[error(transparent)]
     Integration(#[from] TimestepError),
+}
+
+impl VerifyError {
+    /// That the structure cannot be built again, for this reason.
+    pub(crate) fn structure(error: &(dyn Error + 'static)) -> Self {
+        Self::Structure { reason: chain(error) }
+    }
 }
 
 fn listed(folders: &[PathBuf]) -> String {

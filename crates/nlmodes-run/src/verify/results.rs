@@ -10,7 +10,6 @@ use nlmodes::timestep::{MAX_DOFS, TimestepError};
 use serde::Deserialize;
 
 use super::error::VerifyError;
-use crate::chain;
 use crate::files::STARTS;
 use crate::lcp::Archive;
 use crate::physical;
@@ -23,11 +22,11 @@ const SUMMARY: &str = "summary.json";
 /// # Errors
 /// [`VerifyError`] if there are none.
 pub(crate) fn scene_of(directory: &Path) -> Result<Scene, VerifyError> {
-    if !directory.is_dir() {
-        return Err(if directory.is_file() { VerifyError::File } else { VerifyError::NoDirectory });
-    }
-    let (path, source) = (directory.join(SUMMARY), serde::de::Error::missing_field("scene"));
-    read_summary(directory)?.scene.ok_or(VerifyError::NotASummary { path, source })
+    read_summary(directory)?.scene.ok_or_else(|| no_scene(directory))
+}
+
+fn no_scene(directory: &Path) -> VerifyError {
+    VerifyError::NotASummary { path: directory.join(SUMMARY), source: serde::de::Error::missing_field("scene") }
 }
 
 pub(crate) const HARMONICS: &str = "harmonics.npz";
@@ -70,9 +69,6 @@ impl Point {
     /// # Errors
     /// [`VerifyError`] if they are not there, or not those of a run.
     pub fn read(directory: &Path, number: usize) -> Result<Self, VerifyError> {
-        if !directory.is_dir() {
-            return Err(if directory.is_file() { VerifyError::File } else { VerifyError::NoDirectory });
-        }
         let summary = read_summary(directory)?;
         let path = directory.join(HARMONICS);
         if !path.is_file() && !summary.branches.is_empty() {
@@ -80,8 +76,7 @@ impl Point {
             return Err(VerifyError::SeveralBranches { folders });
         }
         let Some(scene) = summary.scene else {
-            let (path, source) = (directory.join(SUMMARY), serde::de::Error::missing_field("scene"));
-            return Err(VerifyError::NotASummary { path, source });
+            return Err(no_scene(directory));
         };
         if !scene.responses.is_empty() {
             return Err(VerifyError::Responses);
@@ -149,6 +144,9 @@ impl Point {
 }
 
 fn read_summary(directory: &Path) -> Result<Summary, VerifyError> {
+    if !directory.is_dir() {
+        return Err(if directory.is_file() { VerifyError::File } else { VerifyError::NoDirectory });
+    }
     let own = directory.join(SUMMARY);
     let above = directory.join("..").join(SUMMARY);
     let branch = directory.file_name().is_some_and(|name| name.to_string_lossy().starts_with("branch_"));
@@ -162,9 +160,8 @@ fn read_summary(directory: &Path) -> Result<Summary, VerifyError> {
 
 /// The model that the method works on, the free-interface modes in which it is, if it is, and its static state.
 fn model(scene: &Scene) -> Result<(MasslessContactModel, Option<OpenStructure>, Option<StaticState>), VerifyError> {
-    let Assembly { model, open, state } =
-        Assembly::of(scene).map_err(|error| VerifyError::Structure { reason: chain(&error) })?;
-    let model = contact_model(scene, &model).map_err(|error| VerifyError::Structure { reason: chain(&error) })?;
+    let Assembly { model, open, state } = Assembly::of(scene).map_err(|error| VerifyError::structure(&error))?;
+    let model = contact_model(scene, &model).map_err(|error| VerifyError::structure(&error))?;
     Ok((model, open, state))
 }
 

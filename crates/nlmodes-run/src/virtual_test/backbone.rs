@@ -47,9 +47,14 @@ pub fn compute(
         ..BranchSettings::default()
     };
     let mut branch = compute_branch(model, &settings, |_| ControlFlow::Continue(()))?.branch;
-    let plural = if wanted.harmonics == 1 { "" } else { "s" };
-    branch.label = format!("computed: {name}, {} harmonic{plural}", wanted.harmonics);
+    branch.label = computed_label(name, wanted);
     Ok(branch)
+}
+
+/// Name of a curve by this method.
+pub fn computed_label(method: &str, wanted: &Backbone) -> String {
+    let plural = if wanted.harmonics == 1 { "" } else { "s" };
+    format!("computed: {method}, {} harmonic{plural}", wanted.harmonics)
 }
 
 /// The elements before a rigid stop, and the number of the rig's mode `mode` (from 0) among theirs, from 1: a beam has

@@ -13,6 +13,7 @@ use nlmodes::response::{
 use nlmodes::rig::RigError;
 use nlmodes_scene::scene::{Backbone, BackboneMethod, TestScene};
 
+use super::backbone::computed_label;
 use super::bench::Rig;
 use crate::Failure;
 
@@ -58,15 +59,8 @@ pub fn compute(
         }
         _ => (damped_mode(&model, ENERGY, &settings)?, "damped mode"),
     };
-    let plural = if wanted.harmonics == 1 { "" } else { "s" };
-    Ok(ModalBranch {
-        label: format!("computed: {name}, {} harmonic{plural}", wanted.harmonics),
-        coordinates: Vec::new(),
-        contact_coordinate: None,
-        stop: None,
-        points: curve.points.iter().map(ResponsePoint::modal_point).collect(),
-        end: curve.end,
-    })
+    let points = curve.points.iter().map(ResponsePoint::modal_point).collect();
+    Ok(ModalBranch::of_points(computed_label(name, wanted), points, curve.end))
 }
 
 /// The modes with unit mass, and the place where the exciter pushes without mass of its own, behind the flexibility of

@@ -5,17 +5,17 @@ use std::path::Path;
 use std::time::Duration;
 
 use nlmodes::modal::ModalBranch;
+use nlmodes::report::columns::AppropriationRow;
 use nlmodes::report::{write_branch, write_summary};
-use nlmodes::rig::Exciter;
 use nlmodes::virtual_test::TestLevel;
 use serde_json::json;
 
 use super::bench::Rig;
 use super::summary;
 use crate::Failure;
-use crate::forces::{self, Forces};
+use crate::forces;
 use crate::overlay::{Laid, Overlaid};
-use crate::records::table::{Drive, Table};
+use crate::records::table::Table;
 use crate::records::{RecordOutcome, figures, page};
 use nlmodes_scene::scene::{BackboneMethod, RecordFormat, TestScene};
 
@@ -70,7 +70,7 @@ pub fn write(
 ) -> Result<(), Failure> {
     let directory = &scene.output_directory;
     let told: Vec<_> = levels.iter().map(summary::level).collect();
-    forces::write(directory, &levels.iter().enumerate().filter_map(controlled).collect::<Vec<_>>())?;
+    forces::write(directory, levels.iter().enumerate().flat_map(controlled).collect())?;
     let outcomes: Vec<RecordOutcome> = levels.iter().map(outcome).collect();
     for (method, branch) in backbones {
         write_branch(directory.join(backbone_file(*method)), branch)?;
@@ -90,23 +90,17 @@ pub fn write(
     let drawn = figures::write(directory, &scene.title, &outcomes, &beside)?;
     let lines: Vec<String> = summary::model(scene, rig).lines().map(str::to_owned).collect();
     let lines: Vec<String> = lines.into_iter().chain(against.sentences()).collect();
-    page::write(directory, &scene.title, &lines, &outcomes, (&beside, &against), &drawn, wrong)
+    page::write(directory, &scene.title, &lines, &outcomes, (&beside, &against), drawn, wrong)
 }
 
 /// The force of a level in the harmonics that were controlled, if there were several.
-fn controlled((index, level): (usize, &TestLevel)) -> Option<Forces> {
-    let (outcome, amplitudes) = (&level.outcome, level.outcome.force_harmonics.clone());
-    let forces = Forces { point: index + 1, omega: outcome.steady.omega, drive: 0, amplitudes };
-    (!forces.amplitudes.is_empty()).then_some(forces)
+fn controlled((index, level): (usize, &TestLevel)) -> impl Iterator<Item = AppropriationRow> {
+    forces::rows(index + 1, level.outcome.steady.omega, 0, &level.outcome.force_harmonics)
 }
 
 /// The table of the levels.
 pub fn table(scene: &TestScene, rig: &Rig) -> Table {
-    let drive = match scene.exciter {
-        Exciter::Shaker(_) => Drive::Signal,
-        Exciter::IdealForce => Drive::Force,
-    };
-    Table::new(rig.modes.n_modes(), Some(drive))
+    Table::new(rig.modes.n_modes(), Some(scene.exciter.unit()))
 }
 
 /// A level as a row of the table.
