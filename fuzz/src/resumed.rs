@@ -9,7 +9,7 @@ use nlmodes_scene::{SceneFile, parse_each_method};
 
 use crate::Reader;
 
-/// A rod of so many elements, so much of whose branch is kept; small, so that thousands are read in a second.
+/// A rod of so many elements, so much of whose branch is kept; small, so that many are read in a second.
 const ROD: &str = r#"
 [structure]
 kind = "rod"
@@ -49,6 +49,8 @@ pub struct Runs(Vec<Interrupted>);
 struct Interrupted {
     files: Vec<SceneFile>,
     directory: PathBuf,
+    /// Points that were computed: those that were asked for, or all that there are.
+    points: usize,
     /// What it left: `run.json` and `steps.jsonl`.
     run: Vec<u8>,
     steps: Vec<u8>,
@@ -84,7 +86,7 @@ impl Interrupted {
         let mut ending = Ending { left: points, repeated: Vec::new() };
         run(files.clone(), Over::Anything, &mut ending).map_err(|error| chain(&error))?;
         let read = |name: &str| fs::read(directory.join(name)).map_err(|error| error.to_string());
-        Ok(Self { run: read("run.json")?, steps: read("steps.jsonl")?, files, directory })
+        Ok(Self { points: points - ending.left, run: read("run.json")?, steps: read("steps.jsonl")?, files, directory })
     }
 
     /// Puts these files in place of its own, and reads the points back.
@@ -119,8 +121,8 @@ impl Runs {
             );
             let scene = Interrupted::new(&text, directory, *points).map_err(io::Error::other)?;
             let again = scene.read(&scene.run, &scene.steps).map_err(io::Error::other)?;
-            if again.len() < *points {
-                let found = again.len();
+            if again.len() < scene.points {
+                let (found, points) = (again.len(), scene.points);
                 return Err(io::Error::other(format!("scene {number}: {found} of {points} points are read back")));
             }
             Ok(scene)
