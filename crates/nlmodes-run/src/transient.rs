@@ -67,8 +67,7 @@ pub fn run(file: &SceneFile, over: Over, observer: &mut dyn Observer) -> Result<
     observer.warn(&begun.model.warnings);
     claim.take_at_once()?;
     let integrated = Instant::now();
-    let (histories, ended) = move_on(&begun, observer)
-        .map_err(|error| refusal::here(&file, "transient", &error))?;
+    let (histories, ended) = move_on(&begun, observer).map_err(|error| refusal::here(&file, "transient", &error))?;
     let integration = integrated.elapsed();
     let lines = written::lines(&begun, &histories);
     let failure = written::write(&begun, &histories, ended.as_deref(), [integration, began.elapsed()]).err();
