@@ -97,11 +97,11 @@ pub use periodic::{
     PowerSpring, TableLaw, about_rest_of_law, largest_value, law_length, laws_at_rest, modal_start, touch_spans,
 };
 pub use periodic::{
-    ChangedParts, Changes, Closing, ClosingEquation, Column, ContactMotion, Coordinates, DampedStop, EnergyGiven,
-    Floquet, Functional, Grazing, Load, LoadTerm, ModalDamping, ModalStructure, ModeAtRest, Motion, MotionChange,
-    MotionGradient, Opening, OperatingPoint, PeriodicMotion, PeriodicSettings, PeriodicSystem, PhaseCondition,
-    PhaseLag, Refined, ResponseRow, Source, StructureChange, StructureState, StructureWeights, Watched, modal_grazing,
-    modal_grazing_opened, modal_lift_off_opened,
+    Changes, Closing, ClosingEquation, Column, ContactMotion, Coordinates, DampedStop, EnergyGiven, Floquet,
+    Functional, Grazing, Load, LoadTerm, ManyChanges, ModalDamping, ModalStructure, ModeAtRest, Motion, MotionChange,
+    MotionGradient, Opening, OperatingPoint, PartWeights, PeriodicMotion, PeriodicSettings, PeriodicSystem,
+    PhaseCondition, PhaseLag, Refined, ResponseRow, Source, StructureChange, StructureState, StructureWeights, Watched,
+    modal_grazing, modal_grazing_opened, modal_lift_off_opened,
 };
 pub use series::{RealSeries, Symmetry};
 pub use shrinking_gaps::ShrinkingGaps;

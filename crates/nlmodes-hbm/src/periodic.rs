@@ -30,7 +30,7 @@ mod weights;
 
 pub use adjoint::{MotionChange, MotionGradient, Watched};
 pub use analyses::Coordinates;
-pub use change::{ChangedParts, Changes, StructureChange, StructureState};
+pub use change::{Changes, ManyChanges, StructureChange, StructureState};
 pub use closing_equations::{ClosingEquation, EnergyGiven, Functional, Motion, PhaseCondition, PhaseLag};
 pub use damped_stop::DampedStop;
 pub use damping::ModalDamping;
@@ -48,4 +48,4 @@ pub use start::{Grazing, ModeAtRest, modal_grazing, modal_grazing_opened, modal_
 pub(crate) use start::{STRAINLESS, unless_touching};
 pub use structure::{ModalStructure, ResponseRow};
 pub use system::{PeriodicSettings, PeriodicSystem};
-pub use weights::StructureWeights;
+pub use weights::{PartWeights, StructureWeights};

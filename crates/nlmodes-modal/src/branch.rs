@@ -1,3 +1,5 @@
+use std::sync::Arc;
+
 use num_complex::Complex64;
 
 use crate::{BranchEnd, ContactPeriod, Event, Gradient, HarmonicCoefficients, InternalResonance, Stability};
@@ -55,7 +57,7 @@ pub struct ModalPoint {
     /// Load, drive point and powers; none of a conservative motion.
     pub driven: Option<Driven>,
     /// Derivatives by the parameters that were asked for.
-    pub gradients: Vec<Gradient>,
+    pub gradients: Arc<[Gradient]>,
 }
 
 impl ModalPoint {

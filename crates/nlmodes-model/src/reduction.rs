@@ -60,7 +60,7 @@ mod residual;
 mod rest;
 mod rows;
 
-pub use direction::{MatrixDirection, OpenChange, OpenDerivative};
+pub use direction::{MatrixDirection, OpenDirections, OpenWeights};
 pub use error::ReductionError;
 pub use galerkin::GalerkinReduction;
 pub use given::{GivenFlexibility, GivenModes, modal_flexibility};

@@ -1,9 +1,10 @@
 //! Derivatives of the points of curves by the parameters of a scene, `[[sensitivity]]`.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use nlmodes::branches::{ComputedBranch, Watch};
-use nlmodes::hbm::{MotionChange, StructureChange};
+use nlmodes::hbm::{Changes, MotionChange, StructureChange};
 use nlmodes::linalg::triplets;
 use nlmodes::modal::Gradient;
 use nlmodes::model::reduction::{MatrixDirection, OpenModes};
@@ -17,13 +18,14 @@ use nlmodes_scene::scene::{Reduction, Scene, SceneState, SceneStructure, Sensiti
 use crate::settings::branch_settings;
 use crate::{Failure, RunError};
 
-/// The derivatives of a point from those of its motion, of which `subharmonic` periods of the load are one; `moved` is
-/// that of what static loads move the first contact toward its stop.
-pub fn gradient(sensitivity: &Sensitivity, found: &MotionChange, subharmonic: usize, moved: f64) -> Gradient {
+/// The derivatives of a point by the parameter with this key and value, from those of its motion, of which
+/// `subharmonic` periods of the load are one; `moved` is that of what static loads move the first contact toward its
+/// stop.
+pub fn gradient((key, value): (&Arc<str>, f64), found: &MotionChange, subharmonic: usize, moved: f64) -> Gradient {
     let known = |value: f64| Some(value).filter(|value| value.is_finite());
     Gradient {
-        parameter: sensitivity.key.as_str().into(),
-        value: sensitivity.value,
+        parameter: key.clone(),
+        value,
         by: [
             known(found.omega * subharmonic as f64 / TAU),
             known(found.amplitude),
@@ -60,19 +62,20 @@ pub fn of_branches(
     let first = toward_first(&open.modes);
     let directions = scene.sensitivities.iter().filter(|own| !own.entries.is_empty());
     let directions = directions.map(|own| direction(scene, open, own)).collect::<Result<Vec<_>, _>>()?;
-    let mut along = base.changes_along(&directions, Some(&first), &settings)?.into_iter();
+    let many = base.changes_along(&directions, Some(&first))?;
     let (mut changes, mut moved) = (Vec::new(), Vec::new());
     for sensitivity in &scene.sensitivities {
-        let along = if sensitivity.entries.is_empty() { None } else { along.next() };
-        let (change, toward) = match along {
-            Some(change) => (change, 0.0),
-            None => change(open, (&base, sensitivity), structures, &settings)?,
+        let (change, toward) = match sensitivity.entries.is_empty() {
+            true => change(open, (&base, sensitivity), structures, &settings).map(|(of, moved)| (Some(of), moved))?,
+            false => (None, 0.0),
         };
         changes.push(change);
         moved.push(toward);
     }
     let watched = base.watched(&first, &settings)?;
-    let settings = settings.with_gradients(Gradients { watched, changes: changes.into() });
+    let settings = settings.with_gradients(Gradients { watched, changes: Changes::new(changes, many) });
+    let parameters = scene.sensitivities.iter().map(|own| (Arc::from(own.key.as_str()), own.value));
+    let parameters: Vec<(Arc<str>, f64)> = parameters.collect();
     let mut without = 0;
     for computed in branches {
         let all = mode_gradients(&base, &settings, own.symmetry, &computed.branch.points)?;
@@ -81,14 +84,15 @@ pub fn of_branches(
                 without += 1;
                 continue;
             };
-            let each = scene.sensitivities.iter().zip(&found).zip(&moved);
             // What unfolds the phase of a conservative motion is no damping.
             let conservative = |found: &MotionChange| {
                 let mut found = *found;
                 found.damping_ratio = f64::NAN;
                 found
             };
-            let each = each.map(|((one, found), moved)| gradient(one, &conservative(found), 1, *moved));
+            let each = parameters.iter().zip(&found).zip(&moved);
+            let each =
+                each.map(|(((key, value), found), moved)| gradient((key, *value), &conservative(found), 1, *moved));
             point.gradients = each.collect();
         }
     }

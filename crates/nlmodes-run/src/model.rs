@@ -74,8 +74,9 @@ pub struct Model {
 
 /// A parameter by which motions are differentiated.
 pub struct Parameter {
-    /// Its key and value.
-    pub sensitivity: Sensitivity,
+    /// Its key, and its value in the unit of that.
+    pub key: Arc<str>,
+    pub value: f64,
     /// The model and its scene at other values, with their weights in the difference quotient.
     pub states: Vec<(Model, Scene, f64)>,
     /// What it does to the matrices, where it changes entries of these.
@@ -280,7 +281,7 @@ fn parameters(
         let direction = open.filter(|_| !sensitivity.entries.is_empty());
         let direction = direction.map(|open| direction_of(&file.scene, open, sensitivity)).transpose();
         let direction = direction.map_err(|why| file.error_at("sensitivity", &why, "here", &[]))?;
-        Ok(Parameter { sensitivity: sensitivity.clone(), states, direction })
+        Ok(Parameter { key: sensitivity.key.as_str().into(), value: sensitivity.value, states, direction })
     };
     file.scene.sensitivities.iter().enumerate().map(of).collect()
 }

@@ -45,7 +45,7 @@ use curves::{Job, detached, follow, jobs};
 pub(crate) use curves::{curves_at, resonances_to};
 #[cfg(feature = "explore")]
 pub(crate) use effects::effects;
-pub(crate) use gradients::changes;
+pub(crate) use gradients::{change, watched};
 pub use levels::Level;
 pub(crate) use picture::picture;
 use sweeps::Sweep;

@@ -1,3 +1,4 @@
+use std::fmt;
 use std::sync::Arc;
 
 use nlmodes_linalg::{Mat, column};
@@ -7,7 +8,7 @@ use super::law::{ForceLaw, PlacedLaw, conservative};
 use super::load::{Load, LoadTerm, VariedHarmonic};
 use super::operating_point::OperatingPoint;
 use super::structure::{ModalStructure, ResponseRow};
-use super::weights::StructureWeights;
+use super::weights::{PartWeights, StructureWeights};
 use crate::HbmError;
 
 /// A structure with its load at one value of a parameter.
@@ -25,28 +26,6 @@ pub struct StructureState<'a> {
     /// The drive point; none where no equation is about one.
     pub drive: Option<ResponseRow>,
     /// The displacement whose amplitude is followed.
-    pub watched: Option<ResponseRow>,
-}
-
-/// Derivatives of the parts of a structure in open modes, of its load and of displacements by a parameter, per unit of
-/// that.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ChangedParts {
-    /// Of `Ω²`, m × m.
-    pub stiffness: Mat<f64>,
-    /// Of `Ĉ`, m × m.
-    pub damping: Mat<f64>,
-    /// Of `Y`, c × m.
-    pub rows: Mat<f64>,
-    /// Of `A`, c × c.
-    pub compliance: Mat<f64>,
-    /// Of the load of level one.
-    pub terms: Vec<LoadTerm>,
-    /// Of the places of laws; what the load moves there is in its terms.
-    pub laws: Vec<ResponseRow>,
-    /// Of the drive point.
-    pub drive: Option<ResponseRow>,
-    /// Of the displacement whose amplitude is followed.
     pub watched: Option<ResponseRow>,
 }
 
@@ -146,32 +125,6 @@ impl StructureChange {
             change.add(state, *weight)?;
         }
         Ok(change)
-    }
-
-    /// From the derivatives of its parts; gaps, stops and the level do not change.
-    ///
-    /// # Errors
-    /// [`HbmError::Size`] for parts that are not of this structure and load.
-    pub fn of_parts(structure: &ModalStructure, load: &Load, parts: ChangedParts) -> Result<Self, HbmError> {
-        let (m, c, none) = (structure.n_modes(), structure.n_contacts(), Self::none(structure, load));
-        let sizes = [
-            ("modes of a changed structure", m, parts.stiffness.nrows()),
-            ("modes of a changed damping", m, parts.damping.nrows()),
-            ("contacts of a changed structure", c, parts.rows.nrows()),
-            ("contacts of a changed compliance", c, parts.compliance.nrows()),
-            ("terms of a changed load", load.terms().len(), parts.terms.len()),
-            ("laws of a changed structure", none.laws.len(), parts.laws.len()),
-        ];
-        if let Some(&(what, expected, found)) = sizes.iter().find(|(_, expected, found)| expected != found) {
-            return Err(HbmError::Size { what, expected, found });
-        }
-        let ChangedParts { stiffness, damping, rows, compliance, terms, laws, drive, watched } = parts;
-        let place = |(none, mut row): (LawChange, ResponseRow)| {
-            let laws = row.contacts.split_off(c);
-            LawChange { modes: row.modes, contacts: row.contacts, laws, ..none }
-        };
-        let laws = none.laws.into_iter().zip(laws).map(place).collect();
-        Ok(Self { stiffness, damping, rows, compliance, terms, laws, drive, watched, ..Self::none(structure, load) })
     }
 
     /// Nothing changes.
@@ -343,18 +296,60 @@ impl StructureChange {
     }
 }
 
-/// Derivatives by any number of parameters, of which those of a motion are one product.
-#[derive(Debug, Clone, PartialEq)]
+/// Parameters whose derivatives are made from the weights of what is differentiated, without a [`StructureChange`] of
+/// each.
+pub trait ManyChanges: fmt::Debug + Send + Sync {
+    /// The derivative of a number with these weights by each parameter.
+    fn times(&self, weights: &PartWeights<'_>) -> Vec<f64>;
+}
+
+/// Derivatives by any number of parameters, of which those of a motion are products.
+#[derive(Debug, Clone)]
 pub struct Changes {
-    /// The numbers of all parameters, a column each, of which some parameter changes each.
+    /// The numbers of the parameters with a change of their own, a column each, of which some parameter changes each.
     numbers: Mat<f64>,
     /// The places of these among all numbers.
     kept: Vec<usize>,
     laws: Vec<Vec<LawChange>>,
+    /// Whether each parameter, in their order, has a change of its own, and its number among those or the others.
+    places: Vec<(bool, usize)>,
+    many: Option<Arc<dyn ManyChanges>>,
+}
+
+impl PartialEq for Changes {
+    fn eq(&self, other: &Self) -> bool {
+        let many = match (&self.many, &other.many) {
+            (Some(own), Some(other)) => Arc::ptr_eq(own, other),
+            (own, other) => own.is_none() && other.is_none(),
+        };
+        let Self { numbers, kept, laws, places, .. } = self;
+        many && (numbers, kept, laws, places) == (&other.numbers, &other.kept, &other.laws, &other.places)
+    }
 }
 
 impl From<Vec<StructureChange>> for Changes {
     fn from(all: Vec<StructureChange>) -> Self {
+        Self::new(all.into_iter().map(Some).collect(), None)
+    }
+}
+
+impl Default for Changes {
+    fn default() -> Self {
+        Vec::new().into()
+    }
+}
+
+impl Changes {
+    /// By parameters with changes of their own and, at places without, by the next of `many`.
+    pub fn new(all: Vec<Option<StructureChange>>, many: Option<Arc<dyn ManyChanges>>) -> Self {
+        let mut counts = [0, 0];
+        let place = |change: &Option<StructureChange>| {
+            let count = &mut counts[usize::from(change.is_some())];
+            *count += 1;
+            (change.is_some(), *count - 1)
+        };
+        let places = all.iter().map(place).collect();
+        let all: Vec<StructureChange> = all.into_iter().flatten().collect();
         let mut changed = Vec::new();
         for change in &all {
             let numbers = change.numbers(1.0);
@@ -368,17 +363,9 @@ impl From<Vec<StructureChange>> for Changes {
             numbers.col_mut(p).iter_mut().zip(&kept).for_each(|(to, k)| *to = own[*k]);
             laws.push(change.laws);
         }
-        Self { numbers, kept, laws }
+        Self { numbers, kept, laws, places, many }
     }
-}
 
-impl Default for Changes {
-    fn default() -> Self {
-        Vec::new().into()
-    }
-}
-
-impl Changes {
     /// The same of motions without what dissipates.
     #[must_use]
     pub fn conservative(&self) -> Self {
@@ -392,7 +379,7 @@ impl Changes {
 
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
-        self.laws.is_empty()
+        self.places.is_empty()
     }
 
     /// The derivative by each parameter of each of the numbers that have these weights, parameters × numbers.
@@ -400,16 +387,21 @@ impl Changes {
     /// # Panics
     /// If the changes are those of another structure.
     pub(super) fn times(&self, weights: &[&StructureWeights]) -> Mat<f64> {
-        let mut own = Mat::zeros(self.kept.len(), weights.len());
+        let mut by = Mat::zeros(self.kept.len(), weights.len());
+        let mut many = Vec::new();
         for (k, weights) in weights.iter().enumerate() {
-            let all = weights.of.numbers(-1.0);
-            own.col_mut(k).iter_mut().zip(&self.kept).for_each(|(to, at)| *to = all.get(*at).copied().unwrap_or(0.0));
+            if !self.kept.is_empty() {
+                let all = weights.of.numbers(-1.0);
+                let kept = by.col_mut(k).iter_mut().zip(&self.kept);
+                kept.for_each(|(to, at)| *to = all.get(*at).copied().unwrap_or(0.0));
+            }
+            many.extend(self.many.as_ref().map(|many| many.times(&weights.parts())));
         }
-        let mut found = self.numbers.transpose() * own;
-        for (p, laws) in self.laws.iter().enumerate() {
-            weights.iter().enumerate().for_each(|(k, weights)| found[(p, k)] += weights.along_laws(laws));
-        }
-        found
+        let found = self.numbers.transpose() * by;
+        Mat::from_fn(self.places.len(), weights.len(), |row, k| match self.places[row] {
+            (true, p) => found[(p, k)] + weights[k].along_laws(&self.laws[p]),
+            (false, p) => many.get(k).and_then(|of| of.get(p)).copied().unwrap_or(f64::NAN),
+        })
     }
 }
 

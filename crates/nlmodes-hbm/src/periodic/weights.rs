@@ -1,8 +1,9 @@
+use nlmodes_linalg::Mat;
 use num_complex::Complex64;
 
 use super::change::{LawChange, StructureChange, nowhere};
 use super::closing_equations::Motion;
-use super::load::Load;
+use super::load::{Load, LoadTerm};
 use super::operating_point::OperatingPoint;
 use super::structure::{ModalStructure, ResponseRow};
 
@@ -13,6 +14,34 @@ pub struct StructureWeights {
     pub(super) of: StructureChange,
     /// Of the force of each law, at the displacements and velocities of a period.
     pub(super) laws: Vec<Vec<LawSample>>,
+}
+
+/// The weights of what entries of stiffness and mass change of a structure and its load. Matrices that are symmetric have
+/// all of a pair above the diagonal; of products with complex weights the real part counts.
+#[derive(Debug, Clone, Copy)]
+pub struct PartWeights<'a> {
+    /// Of `Ω²` and the stiffness of stops that dissipate, m × m.
+    pub stiffness: &'a Mat<f64>,
+    /// Of `Ĉ`, m × m.
+    pub damping: &'a Mat<f64>,
+    /// Of `Y`, c × m.
+    pub rows: &'a Mat<f64>,
+    /// Of `A`, c × c.
+    pub compliance: &'a Mat<f64>,
+    /// Of the load of level one.
+    pub terms: &'a [LoadTerm],
+    /// Of the drive point.
+    pub drive: Option<&'a ResponseRow>,
+    /// Of the displacement whose amplitude is followed.
+    pub watched: Option<&'a ResponseRow>,
+    laws: &'a [LawChange],
+}
+
+impl<'a> PartWeights<'a> {
+    /// Of how modes (m), contacts (c) and laws move the place of each law.
+    pub fn laws(&self) -> impl Iterator<Item = [&'a [f64]; 3]> {
+        self.laws.iter().map(|law| [law.modes.as_slice(), &law.contacts, &law.laws])
+    }
 }
 
 /// An instant of the motion of a law, and what the derivative of its force there counts.
@@ -46,6 +75,13 @@ impl StructureWeights {
     pub fn along(&self, change: &StructureChange) -> f64 {
         let products = self.of.numbers(-1.0).iter().zip(change.numbers(1.0)).map(|(w, of)| w * of).sum::<f64>();
         products + self.along_laws(&change.laws)
+    }
+
+    /// The weights of what entries of stiffness and mass change.
+    pub(super) fn parts(&self) -> PartWeights<'_> {
+        let StructureChange { stiffness, damping, rows, compliance, terms, laws, drive, watched, .. } = &self.of;
+        let (drive, watched) = (drive.as_ref(), watched.as_ref());
+        PartWeights { stiffness, damping, rows, compliance, terms, laws, drive, watched }
     }
 
     /// What the forces of laws do, where the motion stays.

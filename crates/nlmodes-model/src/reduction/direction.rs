@@ -1,6 +1,8 @@
 //! Derivatives of free-interface modes by entries of stiffness and mass.
 
-use nlmodes_linalg::{Mat, SparseMatrix, Triplet, multiply_many, multiply_transposed};
+use std::collections::BTreeMap;
+
+use nlmodes_linalg::{Mat, SparseMatrix, Triplet, column, multiply_many, multiply_transposed};
 
 use crate::reduction::residual::{Beside, dense_columns};
 use crate::reduction::{OpenModes, ReductionError};
@@ -15,12 +17,9 @@ pub struct MatrixDirection {
     pub mass: Vec<Triplet>,
 }
 
-/// Derivatives of a structure in free-interface modes, as some of its places see it, per unit of a parameter.
-///
-/// The modes are those that change as little as they can, `Φ₀ᵀ M₀ dΦ` symmetric: their stiffness is a full matrix,
-/// their mass stays the identity, and neither signs nor modes of one frequency matter.
+/// Derivatives of a number by a structure in free-interface modes, as some of its places see it: a weight for each entry.
 #[derive(Debug, Clone, PartialEq)]
-pub struct OpenChange {
+pub struct OpenWeights {
     /// Of `Φᵀ K Φ`, m × m.
     pub stiffness: Mat<f64>,
     /// Of `Wᵀ Φ`, places × m.
@@ -29,7 +28,8 @@ pub struct OpenChange {
     pub flexibility: Mat<f64>,
 }
 
-/// A structure in free-interface modes, with what its derivatives need, solved for once: none of them solves anything.
+/// Directions in which stiffness and mass of a structure in free-interface modes change, of which the derivatives of a
+/// number are products of few vectors: none of them is a matrix of the modes.
 ///
 /// ```text
 /// v = G w ,   z_r = (K − ω_r² M)⁺ M v ,   u_r = (K − ω_r² M)⁺ w = v + ω_r² z_r        w a place, ⁺ beyond the modes
@@ -38,15 +38,26 @@ pub struct OpenChange {
 /// d(wᵀ G w') = −vᵀ dK v' − vᵀ (dM Φ + M X) Φᵀ w' − wᵀ Φ (Φᵀ dM + Xᵀ M) v'
 /// ```
 ///
-/// The shift of a structure that floats is in `G`: nothing of this divides by `ω_r²`.
-#[derive(Debug, Clone)]
-pub struct OpenDerivative<'a> {
-    open: &'a OpenModes,
+/// All of this is linear in `dK` and `dM`: with weights of its left sides it is `Σ dK_ab (S_a · φ_b − F_a · v_b)` and
+/// `Σ dM_ab (N_a · φ_b)`, with a row of `S`, `F` and `N` for each degree of freedom that a direction changes.
+///
+/// The modes are those that change as little as they can, `Φ₀ᵀ M₀ dΦ` symmetric: their stiffness is a full matrix,
+/// their mass stays the identity, and neither signs nor modes of one frequency matter. The shift of a structure that
+/// floats is in `G`: nothing of this divides by `ω_r²`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OpenDirections {
+    /// `ω_r²`, zero of rigid modes.
+    squares: Vec<f64>,
     /// `Wᵀ Φ`, places × m.
     rows: Mat<f64>,
-    /// `v`, n × places, and `z_r` of each mode.
+    /// A column for each degree of freedom that changes: of the modes, of `v`, and of `u_r` and `z_r` of all places,
+    /// one mode after the other.
+    shapes: Mat<f64>,
     v: Mat<f64>,
-    z: Vec<Mat<f64>>,
+    u: Mat<f64>,
+    z: Mat<f64>,
+    /// The directions, in these columns.
+    all: Vec<MatrixDirection>,
 }
 
 /// Share of a solution beyond the modes that is left when its iteration ends, and most of its steps: as many as there
@@ -58,73 +69,115 @@ const MOST_STEPS: usize = 400;
 const APART: f64 = 1e-8;
 
 impl OpenModes {
-    /// What derivatives need of these modes and of places, columns of `places` (n × any).
+    /// These directions, as places see them, columns of `places` (n × any): one solution for each mode and place.
     ///
     /// # Errors
-    /// [`ReductionError::Dimension`]; [`ReductionError::ModesGiven`] of a structure that was reduced elsewhere;
-    /// [`ReductionError::CutBetweenModes`] where a mode that is left out has the frequency of one that is not.
-    pub fn derivative(&self, places: &SparseMatrix) -> Result<OpenDerivative<'_>, ReductionError> {
-        crate::reduction::open_modes::same_size("rows of the places", self.n_dofs(), places.nrows())?;
-        let mass = self.residual.mass().ok_or(ReductionError::ModesGiven)?;
-        let beside = self.residual.beside(&self.shapes);
-        let v = beside.answer(dense_columns(places, 0..places.ncols()));
-        let start = beside.answer(multiply_many(mass, &v));
-        let squares = self.omega_squared.iter().enumerate();
-        let squares = squares.map(|(r, square)| if r < self.n_rigid() { 0.0 } else { *square });
-        let z = squares.enumerate().map(|(r, square)| {
-            let solved = beyond(&beside, mass, square, &start);
-            solved.ok_or(ReductionError::CutBetweenModes { mode: r + 1, retained: self.n_modes() })
-        });
-        let z = z.collect::<Result<_, _>>()?;
-        Ok(OpenDerivative { open: self, rows: multiply_transposed(places, &self.shapes), v, z })
-    }
-}
-
-impl OpenDerivative<'_> {
-    /// The derivatives by a parameter that changes stiffness and mass like this.
-    ///
-    /// # Errors
-    /// [`ReductionError::Dimension`] for an entry that the structure does not have, [`ReductionError::NotFinite`].
-    pub fn along(&self, direction: &MatrixDirection) -> Result<OpenChange, ReductionError> {
-        let (n, shapes, squares) = (self.open.n_dofs(), &self.open.shapes, &self.open.omega_squared);
-        for (index, &(i, j, value)) in direction.stiffness.iter().chain(&direction.mass).enumerate() {
-            if i.max(j) >= n {
-                let (what, found) = ("degrees of freedom of a direction", i.max(j) + 1);
-                return Err(ReductionError::Dimension { what, expected: n, found });
-            }
-            if !value.is_finite() {
-                return Err(ReductionError::NotFinite { what: "entry of a direction", index, value });
+    /// [`ReductionError::Dimension`], for an entry that the structure does not have too; [`ReductionError::NotFinite`];
+    /// [`ReductionError::ModesGiven`] of a structure that was reduced elsewhere; [`ReductionError::CutBetweenModes`]
+    /// where a mode that is left out has the frequency of one that is not.
+    pub fn along(
+        &self,
+        places: &SparseMatrix,
+        directions: &[MatrixDirection],
+    ) -> Result<OpenDirections, ReductionError> {
+        let n = self.n_dofs();
+        crate::reduction::open_modes::same_size("rows of the places", n, places.nrows())?;
+        let mut touched = BTreeMap::new();
+        for direction in directions {
+            for (index, &(i, j, value)) in direction.stiffness.iter().chain(&direction.mass).enumerate() {
+                if i.max(j) >= n {
+                    let (what, found) = ("degrees of freedom of a direction", i.max(j) + 1);
+                    return Err(ReductionError::Dimension { what, expected: n, found });
+                }
+                if !value.is_finite() {
+                    return Err(ReductionError::NotFinite { what: "entry of a direction", index, value });
+                }
+                touched.extend([(i, 0), (j, 0)]);
             }
         }
-        let (m, p) = (self.open.n_modes(), self.v.ncols());
-        let (k, mass) = (&direction.stiffness, &direction.mass);
-        let t = Mat::from_fn(m, m, |r, s| form(mass, (shapes, r), (shapes, s)));
-        let square = |r: usize| if r < self.open.n_rigid() { 0.0 } else { squares[r] };
-        let stiffness =
-            Mat::from_fn(m, m, |r, s| form(k, (shapes, r), (shapes, s)) - 0.5 * t[(r, s)] * (square(r) + square(s)));
-        // `(dK − ω_r² dM)` between a vector and mode r.
-        let across = |x: &Mat<f64>, i: usize, r: usize| {
-            form(k, (x, i), (shapes, r)) - square(r) * form(mass, (x, i), (shapes, r))
-        };
-        let of_v = Mat::from_fn(p, m, |i, r| across(&self.v, i, r));
-        let of_z = Mat::from_fn(p, m, |i, r| across(&self.z[r], i, r));
-        let turned = &self.rows * &t;
-        let rows = Mat::from_fn(p, m, |i, r| -0.5 * turned[(i, r)] - of_v[(i, r)] - square(r) * of_z[(i, r)]);
-        // `vᵀ (dM Φ + M X)`.
-        let inertia = Mat::from_fn(p, m, |i, r| form(mass, (&self.v, i), (shapes, r)) - of_z[(i, r)]);
-        let mixed = &inertia * self.rows.transpose();
-        let flexibility =
-            Mat::from_fn(p, p, |i, j| -form(k, (&self.v, i), (&self.v, j)) - mixed[(i, j)] - mixed[(j, i)]);
-        Ok(OpenChange { stiffness, rows, flexibility })
+        touched.values_mut().enumerate().for_each(|(k, column)| *column = k);
+        let dofs: Vec<usize> = touched.keys().copied().collect();
+        let numbered = |entries: &[Triplet]| entries.iter().map(|(i, j, v)| (touched[i], touched[j], *v)).collect();
+        let numbered =
+            |of: &MatrixDirection| MatrixDirection { stiffness: numbered(&of.stiffness), mass: numbered(&of.mass) };
+        let mass = self.residual.mass().ok_or(ReductionError::ModesGiven)?;
+        let beside = self.residual.beside(&self.shapes);
+        let all_v = beside.answer(dense_columns(places, 0..places.ncols()));
+        let start = beside.answer(multiply_many(mass, &all_v));
+        let squares = self.omega_squared.iter().enumerate();
+        let squares: Vec<f64> = squares.map(|(r, square)| if r < self.n_rigid() { 0.0 } else { *square }).collect();
+        let (m, p) = (self.n_modes(), places.ncols());
+        let (mut u, mut z) = (Mat::zeros(m * p, dofs.len()), Mat::zeros(m * p, dofs.len()));
+        for (r, &square) in squares.iter().enumerate() {
+            let cut = || ReductionError::CutBetweenModes { mode: r + 1, retained: m };
+            let solved = beyond(&beside, mass, square, &start).ok_or_else(cut)?;
+            for (k, &dof) in dofs.iter().enumerate() {
+                for i in 0..p {
+                    z[(r * p + i, k)] = solved[(dof, i)];
+                    u[(r * p + i, k)] = all_v[(dof, i)] + square * solved[(dof, i)];
+                }
+            }
+        }
+        Ok(OpenDirections {
+            squares,
+            rows: multiply_transposed(places, &self.shapes),
+            shapes: Mat::from_fn(m, dofs.len(), |r, k| self.shapes[(dofs[k], r)]),
+            v: Mat::from_fn(p, dofs.len(), |i, k| all_v[(dofs[k], i)]),
+            u,
+            z,
+            all: directions.iter().map(numbered).collect(),
+        })
     }
 }
 
-/// `xᵀ A y` of columns, `A` symmetric by its entries.
-fn form(entries: &[Triplet], (x, i): (&Mat<f64>, usize), (y, j): (&Mat<f64>, usize)) -> f64 {
-    let one = |&(a, b, value): &Triplet| {
-        let own = x[(a, i)] * y[(b, j)];
-        value * if a == b { own } else { own + x[(b, i)] * y[(a, j)] }
-    };
+impl OpenDirections {
+    /// How many places see them.
+    pub fn n_places(&self) -> usize {
+        self.v.nrows()
+    }
+
+    /// The derivative along each direction of a number with these weights.
+    ///
+    /// # Panics
+    /// If the weights are of other modes or places.
+    pub fn times(&self, weights: &OpenWeights) -> Vec<f64> {
+        let OpenWeights { stiffness, rows, flexibility } = weights;
+        let (m, p) = (self.squares.len(), self.v.nrows());
+        let both = Mat::from_fn(p, p, |i, j| flexibility[(i, j)] + flexibility[(j, i)]);
+        let inertia = both * &self.rows;
+        let turned = self.rows.transpose() * rows;
+        let massive = Mat::from_fn(m, m, |r, s| {
+            -0.5 * (stiffness[(r, s)] * (self.squares[r] + self.squares[s]) + turned[(r, s)])
+        });
+        let mut of_stiffness = stiffness.transpose() * &self.shapes;
+        let mut of_mass = massive.transpose() * &self.shapes;
+        for k in 0..self.shapes.ncols() {
+            let (u, z) = (column(&self.u, k).chunks(p.max(1)), column(&self.z, k).chunks(p.max(1)));
+            for (r, (u, z)) in u.zip(z).enumerate() {
+                let (own, inertia) = (column(rows, r), column(&inertia, r));
+                let (mut by_stiffness, mut by_mass) = (0.0, 0.0);
+                for i in 0..p {
+                    by_stiffness += u[i] * own[i] - z[i] * inertia[i];
+                    by_mass += u[i] * (self.squares[r] * own[i] - inertia[i]);
+                }
+                of_stiffness[(r, k)] -= by_stiffness;
+                of_mass[(r, k)] += by_mass;
+            }
+        }
+        let of_flexibility = flexibility.transpose() * &self.v;
+        let along = |direction: &MatrixDirection| {
+            form(&direction.stiffness, &of_stiffness, &self.shapes)
+                - form(&direction.stiffness, &of_flexibility, &self.v)
+                + form(&direction.mass, &of_mass, &self.shapes)
+        };
+        self.all.iter().map(along).collect()
+    }
+}
+
+/// `Σ A_ab x_a · y_b` of columns, `A` symmetric by its entries.
+fn form(entries: &[Triplet], x: &Mat<f64>, y: &Mat<f64>) -> f64 {
+    let dot = |a: usize, b: usize| column(x, a).iter().zip(column(y, b)).map(|(x, y)| x * y).sum::<f64>();
+    let one = |&(a, b, value): &Triplet| value * if a == b { dot(a, b) } else { dot(a, b) + dot(b, a) };
     entries.iter().map(one).sum()
 }
 

@@ -36,8 +36,8 @@ pub const GRADIENT_COLUMNS: [Column; 7] = [
 /// The columns of derivatives that the points of a table have.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct GradientColumns {
-    parameters: Vec<Arc<str>>,
-    known: Vec<GradientOf>,
+    parameters: Arc<[Arc<str>]>,
+    known: Arc<[GradientOf]>,
 }
 
 /// The derivatives of a point as cells.
@@ -51,9 +51,9 @@ impl GradientColumns {
     /// Of a table with these points.
     pub fn of<'p>(points: impl Iterator<Item = &'p ModalPoint> + Clone) -> Self {
         let first = points.clone().find(|point| !point.gradients.is_empty());
-        let parameters = first.into_iter().flat_map(|point| &point.gradients);
+        let parameters = first.into_iter().flat_map(|point| &*point.gradients);
         let is_known = |what: &GradientOf| {
-            points.clone().flat_map(|point| &point.gradients).any(|gradient| gradient.of(*what).is_some())
+            points.clone().flat_map(|point| &*point.gradients).any(|gradient| gradient.of(*what).is_some())
         };
         let known = GradientOf::ALL.into_iter().filter(is_known);
         Self { parameters: parameters.map(|gradient| gradient.parameter.clone()).collect(), known: known.collect() }
@@ -99,7 +99,7 @@ mod tests {
         (by[0], by[3]) = (Some(-1.5), Some(2e7));
         let gradient = |key: &str, by| Gradient { parameter: key.into(), value: 1e-3, by };
         let with = ModalPoint {
-            gradients: vec![gradient("contact.0.gap_m", by), gradient("structure.section.height_mm", [None; 7])],
+            gradients: [gradient("contact.0.gap_m", by), gradient("structure.section.height_mm", [None; 7])].into(),
             ..ModalPoint::default()
         };
         let points = [ModalPoint::default(), with];

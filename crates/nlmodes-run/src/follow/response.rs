@@ -14,7 +14,7 @@ use super::{FollowError, FollowSettings, Followed, Wanted};
 use crate::chain;
 use crate::gradients::with_modes;
 use crate::model::Model;
-use crate::responses::{changes, curves_at, resonances_to};
+use crate::responses::{change, curves_at, resonances_to, watched};
 
 /// Follows each fold, or first touch, of the response at the level, or its phase resonance.
 pub fn follow(
@@ -46,9 +46,13 @@ pub fn follow(
         let level = there.scene.responses.get(place.0).and_then(|own| own.levels.get(place.1)).copied();
         let level = level.ok_or("there is no such level")?;
         let system = model.with_drive(place.0).map_err(|error| chain(&error))?;
-        let found = changes(&model, &there.scene, (place.0, Some(level)), &response, &system);
-        let (watched, mut changes) = found.map_err(|error| chain(&error))?;
-        Ok(AtValue { model: system, level, change: changes.swap_remove(texts.number), watched })
+        let at = (&there.scene, place.0, Some(level));
+        let changed = |parameter| change(parameter, at, &response, &system);
+        let parts = watched(&model, &response, &system)
+            .and_then(|watched| Ok((watched, model.parameters.get(texts.number).map(changed).transpose()?)));
+        let (watched, change) = parts.map_err(|error| chain(&error))?;
+        let change = change.ok_or("there is no such parameter")?;
+        Ok(AtValue { model: system, level, change, watched })
     };
     let points = |event: Event| {
         let of = move |point: &&ResponsePoint| point.events.contains(&event);

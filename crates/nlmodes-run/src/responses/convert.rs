@@ -1,5 +1,7 @@
 //! From motions in open modes to points of a curve, which tables, figures and page share with other computations.
 
+use std::sync::Arc;
+
 use nlmodes::hbm::{HbmError, MotionChange, PeriodicMotion, ResponseRow, largest_value};
 use nlmodes::modal::{
     BranchEnd, Driven, Gradient, HarmonicCoefficients, InternalResonance, ModalBranch, ModalPoint, Participation,
@@ -109,10 +111,10 @@ impl<'a> Converter<'a> {
     }
 
     /// Derivatives by the parameters of the scene.
-    fn gradients(&self, point: &ResponsePoint) -> Vec<Gradient> {
+    fn gradients(&self, point: &ResponsePoint) -> Arc<[Gradient]> {
         let of = |(parameter, found): (&Parameter, &MotionChange)| {
             let moved = parameter.states.iter().map(|(model, _, weight)| weight * model.toward_first());
-            gradient(&parameter.sensitivity, found, self.subharmonic, moved.sum())
+            gradient((&parameter.key, parameter.value), found, self.subharmonic, moved.sum())
         };
         self.model.parameters.iter().zip(&point.gradients).map(of).collect()
     }
