@@ -1,9 +1,10 @@
 //! Structures that were reduced elsewhere.
 
-use nlmodes_linalg::{Mat, Openness, SparseMatrix, multiply_transposed, symmetric_eigen};
+use nlmodes_linalg::{Mat, Openness, SparseMatrix, symmetric_eigen};
 
 use crate::reduction::open_modes::{all_finite, check_stops, same_size, separate_repeated};
 use crate::reduction::residual::{Residual, add_share};
+use crate::reduction::rest::felt_rows;
 use crate::reduction::{OpenModes, ReductionError};
 
 /// Digits in which numbers of other programs agree with each other: share of the static flexibility up to which
@@ -79,7 +80,7 @@ impl OpenModes {
         let mut openness = Openness::default();
         openness.strainless = rigid;
         let mut open = Self {
-            contact_rows: multiply_transposed(&directions, &rows),
+            contact_rows: felt_rows(&directions, &rows),
             flexibility: Mat::zeros(gaps.len(), gaps.len()),
             omega_squared,
             shapes: rows,

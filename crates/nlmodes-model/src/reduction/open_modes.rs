@@ -7,6 +7,7 @@ use nlmodes_linalg::{
 };
 
 use crate::reduction::residual::{Residual, Solved, blocks, dense_columns};
+use crate::reduction::rest::felt_rows;
 use crate::reduction::{ModeCount, ReductionError};
 use crate::{Contact, ContactCoordinates, MasslessContactModel, SteadyForce, StructuralModel};
 
@@ -107,7 +108,7 @@ impl OpenModes {
         }
         let residual = Residual::Solved(Solved { factor: Arc::new(pencil.into_factor()), mass, shift });
         let mut open = Self {
-            contact_rows: multiply_transposed(&directions, &retained.vectors),
+            contact_rows: felt_rows(&directions, &retained.vectors),
             flexibility: Mat::zeros(gaps.len(), gaps.len()),
             omega_squared: retained.eigenvalues,
             shapes: retained.vectors,

@@ -1,5 +1,5 @@
 use nlmodes_contact::{LcpError, LcpMatrix, LcpSolver, balance};
-use nlmodes_linalg::{DenseLu, Mat, symmetric_eigen};
+use nlmodes_linalg::{DenseLu, Mat, SparseMatrix, max_norm, multiply_transposed, symmetric_eigen};
 
 use crate::reduction::{ModalLoad, OpenModes, ReductionError};
 
@@ -16,8 +16,18 @@ const RIGID: f64 = 1e-6;
 /// have eight digits at least.
 const UNFELT: f64 = 1e-12;
 
-/// Motion of the contacts over the largest one up to which a rigid-body motion is not felt.
+/// Motion of the contacts over the largest one up to which a mode is not felt: its effect on them is the square of that.
 const AT_REST: f64 = 1e-6;
+
+/// `Wᵀ Φ`, zero for modes that no contact feels: in symmetric structures rounding couples these, and a branch would
+/// follow an internal resonance with a motion that contacts cannot excite.
+pub(super) fn felt_rows(directions: &SparseMatrix, shapes: &Mat<f64>) -> Mat<f64> {
+    let mut rows = multiply_transposed(directions, shapes);
+    let largest: Vec<f64> = (0..rows.ncols()).map(|r| max_norm(rows.col(r).iter().copied())).collect();
+    let most = max_norm(largest.iter().copied());
+    (0..rows.ncols()).filter(|r| largest[*r] <= AT_REST * most).for_each(|r| rows.col_mut(r).fill(0.0));
+    rows
+}
 
 /// A structure at rest against its stops, pressed by interference or by static loads.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -77,9 +87,7 @@ impl OpenModes {
 
     /// The rigid-body motions that no contact feels; among those that are felt, none is a combination of them.
     pub fn unfelt_motions(&self) -> Vec<usize> {
-        let largest = |r: usize| self.contact_rows.col(r).iter().fold(0.0_f64, |largest, y| largest.max(y.abs()));
-        let most = (0..self.n_modes()).map(largest).fold(0.0, f64::max);
-        (0..self.n_rigid()).filter(|&r| largest(r) <= AT_REST * most).collect()
+        (0..self.n_rigid()).filter(|&r| self.contact_rows.col(r).iter().all(|y| *y == 0.0)).collect()
     }
 
     /// Rigid-body motions among the modes, and how many of them holding all contacts leaves: motions that no contact
