@@ -29,6 +29,8 @@ const MOST: u32 = 14;
 const LEFT_OVER: f64 = 1e-12;
 /// Digits below the longest number of a text from which on a number is a round one.
 const ROUND: u32 = 4;
+/// Binary digits up to which a number that is not whole is exact: one with as many decimal digits has more of them.
+const EXACT: u32 = 40;
 /// Binary digits of single precision, and those that most numbers in it need.
 const SINGLE: [u32; 2] = [24, 23];
 
@@ -50,6 +52,11 @@ impl Digits {
         let long = bits.iter().filter(|bits| **bits >= SINGLE[1]).count();
         if bits.iter().all(|bits| *bits <= SINGLE[0]) && 2 * long >= bits.len() {
             return Self::Binary(SINGLE[0]);
+        }
+        // Decimals that were cut off somewhere seldom are halves, quarters or eighths.
+        let mut broken = values.iter().zip(&bits).filter(|(v, _)| v.fract() != 0.0).map(|(_, bits)| *bits).peekable();
+        if broken.peek().is_some() && broken.all(|bits| bits <= EXACT) {
+            return Self::DOUBLE;
         }
         let Some(digits) = values.iter().map(|v| decimal(*v)).collect::<Option<Vec<u32>>>() else {
             return Self::DOUBLE;
@@ -159,6 +166,9 @@ mod tests {
         // One number with more digits than the others does not make these rounded ones.
         let steel = [6.99972e6, 3.49986e6, 2.33324e6, 1.399944e7, 1.16662e6, 4.66648e6];
         assert_eq!(Digits::of(steel), Digits::DOUBLE);
+        // A beam of equal elements, whose stiffness has short binary fractions.
+        let beam = [5980078.125, 11960156.25, 159468.75, 318937.5, 5670.0, 2835.0, 11340.0];
+        assert_eq!(Digits::of(beam), Digits::DOUBLE);
     }
 
     #[test]
