@@ -107,6 +107,7 @@ impl Repeated {
             total_power: self.measured(|f| Some(f.power?.active))?,
             pbmif: self.indicator()?,
             force: self.measured(|f| f.force)?,
+            drive: self.measured(|f| f.drive)?,
             lag: Measured::angle(self.all.lag?, &lags),
             modal_lag: self.modal_lag(),
             phase_indicator: self.measured(|f| f.phase_indicator),

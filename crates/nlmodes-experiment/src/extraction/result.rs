@@ -75,6 +75,8 @@ pub struct ExcitationFigures {
     pub pbmif: Measured,
     /// Amplitude of the force's fundamental, N.
     pub force: Measured,
+    /// Amplitude of the fundamental of the drive-point displacement, m.
+    pub drive: Measured,
     /// Lag of the drive-point displacement behind the force, rad; π/2 at phase resonance.
     pub lag: Measured,
     /// Lag of the coordinate of the excited mode behind the force, rad, where linear modes are given: without what

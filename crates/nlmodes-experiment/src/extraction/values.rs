@@ -35,7 +35,8 @@ pub struct Values {
     /// Displacement at the places of the shape.
     pub motion: HarmonicCoefficients,
     pub power: Option<ExcitationPower>,
-    /// Lag of the drive-point displacement behind the force, rad.
+    /// Amplitude of the fundamental of the drive-point displacement, m, and its lag behind the force, rad.
+    pub drive: Option<f64>,
     pub lag: Option<f64>,
     /// Amplitude of the force's fundamental, N.
     pub force: Option<f64>,
@@ -76,7 +77,7 @@ impl Method<'_> {
         let force = self.layout.force.map(|i| &coefficients[i]);
         let power = drive.as_ref().zip(force).map(|(drive, force)| self.power(force, drive));
         let lag = drive.as_ref().zip(force).map(|(drive, force)| (force[1] / drive[1]).arg());
-        let anchor = drive.map(|drive| drive[1].arg());
+        let (anchor, drive) = (drive.as_ref().map(|drive| drive[1].arg()), drive.map(|drive| drive[1].norm()));
         let modal = self.modes.as_ref().map(|modes| {
             let known = |n: usize| self.known(coefficients, n);
             let dissipated = |n: usize| {
@@ -106,7 +107,7 @@ impl Method<'_> {
         });
         let phase_indicator = force.and_then(|force| phase_indicator(&motion, force[1]));
         let force = force.map(|force| force[1].norm());
-        Ok(Values { motion, power, lag, force, modal_lag, phase_indicator, modal })
+        Ok(Values { motion, power, drive, lag, force, modal_lag, phase_indicator, modal })
     }
 
     /// Displacement at the places of the shape without what missing modes add to it, and their coordinates.

@@ -16,6 +16,7 @@ row! {
         damping: Option<f64>, "",
             "`P₁/(q̃² ω³)`: power of the first harmonic of the force over modal amplitude and angular frequency, a \
              damping ratio";
+        drive_fundamental_m: Option<f64>, "m", "amplitude of the fundamental of the displacement of the drive point";
         lag_deg: Option<f64>, "°",
             "by how much the displacement of the drive point lags the force in the first harmonic; 90 at phase \
              resonance";
@@ -63,6 +64,7 @@ row! {
             "standard error, over the single periods, of the column of this name";
         modal_amplitude_uncertainty: Option<f64>, "m √kg", "the same";
         damping_uncertainty: Option<f64>, "", "the same";
+        drive_fundamental_m_uncertainty: Option<f64>, "m", "the same";
         lag_deg_uncertainty: Option<f64>, "°", "the same";
         modal_lag_deg_uncertainty: Option<f64>, "°", "the same";
         phase_indicator_uncertainty: Option<f64>, "", "the same";

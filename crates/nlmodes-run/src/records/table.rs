@@ -105,6 +105,7 @@ pub fn row(found: &RecordExtraction, modes: usize) -> ModalPointRow {
     let [frequency_hz, frequency_hz_uncertainty] = both(Some(found.omega.times(1.0 / TAU)));
     let [modal_amplitude, modal_amplitude_uncertainty] = both(modal.map(|m| m.amplitude));
     let [damping, damping_uncertainty] = both(modal.and_then(|m| m.damping));
+    let [drive_fundamental_m, drive_fundamental_m_uncertainty] = both(excitation.map(|e| e.drive));
     let [lag_deg, lag_deg_uncertainty] = both(excitation.map(|e| e.lag.times(1f64.to_degrees())));
     let modal_lag = excitation.and_then(|e| e.modal_lag);
     let [modal_lag_deg, modal_lag_deg_uncertainty] = both(modal_lag.map(|lag| lag.times(1f64.to_degrees())));
@@ -127,6 +128,7 @@ pub fn row(found: &RecordExtraction, modes: usize) -> ModalPointRow {
         frequency_hz,
         modal_amplitude,
         damping,
+        drive_fundamental_m,
         lag_deg,
         modal_lag_deg,
         phase_indicator,
@@ -155,6 +157,7 @@ pub fn row(found: &RecordExtraction, modes: usize) -> ModalPointRow {
         frequency_hz_uncertainty,
         modal_amplitude_uncertainty,
         damping_uncertainty,
+        drive_fundamental_m_uncertainty,
         lag_deg_uncertainty,
         modal_lag_deg_uncertainty,
         phase_indicator_uncertainty,

@@ -8,7 +8,6 @@ use super::{ForceBalance, Harmonics, Table};
 use crate::extraction::Measured;
 use crate::extraction::folded::{self, Closed, Folded};
 use crate::extraction::layout::{displacement, find};
-use crate::extraction::loss::least_squares;
 use crate::extraction::measured::spread;
 
 /// Points of a period for each harmonic.
@@ -21,6 +20,8 @@ const MARGIN: f64 = 0.01;
 const RESTS: f64 = 0.5;
 /// Share of the peak above which the stop yields as its stiffness says.
 const PRESSED: f64 = 0.1;
+/// Share of the variance of the force that a line explains at least where the stop has a stiffness.
+const ON_A_LINE: f64 = 0.5;
 
 /// The contact as the motion tells it, without a force cell.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,9 +81,9 @@ impl ForceBalance<'_> {
         let duration = TAU / self.omega;
         let mean = -level(&harmonics.force);
         let stiffness = self.stiffness(&period).map(|slope| {
-            // As uncertain as the force from which it is taken.
+            // As uncertain as the force from which it is taken, and as the line.
             let peak = measured(&|force| at(force, top));
-            Measured { value: slope, uncertainty: slope * peak.uncertainty / peak.value }
+            slope.and(slope.value * peak.uncertainty / peak.value)
         });
         Some(BalanceFigures {
             peak_force: measured(&|force| at(force, top)),
@@ -193,14 +194,22 @@ impl ForceBalance<'_> {
         (!found.is_empty()).then_some(Measured { value: mean, uncertainty })
     }
 
-    /// Slope of the line of force over displacement where the force presses.
-    fn stiffness(&self, period: &Period) -> Option<f64> {
+    /// Slope of the line of force over displacement where the force presses: the mean of that of the force over the
+    /// displacement and that of the displacement over the force, between which it is. None where they differ too much
+    /// for the force to be on a line.
+    fn stiffness(&self, period: &Period) -> Option<Measured> {
         let folded = &period.folded;
         let least = PRESSED * folded.peak();
-        let pairs = folded.displacement.iter().zip(&folded.force).filter(|(_, force)| **force > least);
-        let rows: Vec<(Vec<f64>, f64)> = pairs.map(|(x, force)| (vec![1.0, *x], *force)).collect();
-        let (line, ..) = least_squares(&rows)?;
-        line.get(1).copied().filter(|slope| *slope > 0.0)
+        let pairs = || folded.displacement.iter().zip(&folded.force).filter(|(_, force)| **force > least);
+        let count = pairs().count() as f64;
+        let [x, force] = pairs().fold([0.0, 0.0], |sum, (x, f)| [sum[0] + x / count, sum[1] + f / count]);
+        let products = pairs().fold([0.0; 3], |[xx, xf, ff], (u, f)| {
+            let (u, f) = (u - x, f - force);
+            [xx + u * u, xf + u * f, ff + f * f]
+        });
+        let [low, high] = [products[1] / products[0], products[2] / products[1]];
+        (low > 0.0 && low >= ON_A_LINE * high)
+            .then(|| Measured { value: 0.5 * (low + high), uncertainty: 0.5 * (high - low) })
     }
 }
 
