@@ -8,11 +8,8 @@ use nlmodes::report::columns::{BranchRow, ResponseRow};
 use nlmodes_scene::scene::Overlay;
 use num_complex::Complex64;
 
-use super::read::Points;
+use super::read::{Points, TABLES, table as table_of};
 use super::{OverlayError, Unused};
-
-/// Table of a folder of results.
-const TABLE: &str = "branch.csv";
 
 /// A curve, or measured points, that are laid over.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,23 +22,27 @@ pub(crate) struct LaidCurve {
     pub first: usize,
     /// Whether lags are known.
     pub has_lag: bool,
+    /// Whether they are points of a test, whose levels are the amplitudes of its force.
+    pub is_test: bool,
 }
 
 /// The curves of a table, one for each of its columns `response` and `curve` where it has these, and the rows that are
 /// not used.
 pub(crate) fn curves(overlay: &Overlay) -> Result<(Vec<LaidCurve>, Unused), OverlayError> {
-    let path = if overlay.path.is_dir() { overlay.path.join(TABLE) } else { overlay.path.clone() };
-    if overlay.path.is_dir() && !path.is_file() {
-        return Err(OverlayError::NoResponses(overlay.path.clone()));
-    }
+    let path = table_of(&overlay.path)?;
     let either = ["fundamental_m", "drive_fundamental_m"];
     let mut table = Points::open(path.clone(), either, "fundamental_m or drive_fundamental_m")?;
     let beside = table.sheet.places::<ResponseRow>();
-    let (is_computed, has_lag) = (path.ends_with(TABLE), table.sheet.column("drive_lag_deg").is_some());
+    // A test names the lag of its drive point otherwise, and its level is the amplitude of its force.
+    let lag = table.sheet.column("lag_deg");
+    let [is_computed, is_test] = TABLES.map(|name| path.ends_with(name));
+    let has_lag = lag.is_some() || table.sheet.column("drive_lag_deg").is_some();
     let mut all: Vec<((usize, usize), LaidCurve)> = Vec::new();
     let mut number = 0;
     while let Some(row) = table.row()? {
-        let response: ResponseRow = table.sheet.read(&row, &beside)?;
+        let mut response: ResponseRow = table.sheet.read(&row, &beside)?;
+        response.drive_lag_deg = response.drive_lag_deg.or_else(|| row.text(lag).parse().ok());
+        response.level = response.level.or(response.force_n.filter(|_| is_test));
         let kind = match response.kind.as_str() {
             "" | "frequency" if is_computed => LineKind::Response,
             "" | "frequency" => LineKind::Measured,
@@ -63,7 +64,7 @@ pub(crate) fn curves(overlay: &Overlay) -> Result<(Vec<LaidCurve>, Unused), Over
             };
             let end = BranchEnd::given(format!("from {}", path.display()));
             let branch = ModalBranch::of_points(label, Vec::new(), end);
-            all.push((of, LaidCurve { kind, branch, first: number, has_lag }));
+            all.push((of, LaidCurve { kind, branch, first: number, has_lag, is_test }));
         }
         number += 1;
         if let Some((_, curve)) = all.last_mut() {

@@ -11,7 +11,7 @@ use super::unused::{NO_FREQUENCY, Unused};
 use crate::sheet::{Row, Sheet, SheetError};
 
 /// Tables of a folder of results that hold modal points: of a branch, of records.
-const TABLES: [&str; 2] = ["branch.csv", "modal_points.csv"];
+pub(super) const TABLES: [&str; 2] = ["branch.csv", "modal_points.csv"];
 /// Table of the contacts beside that of a branch.
 const CONTACTS: &str = "contacts.csv";
 /// Findings of records of vibrations that are no steady ones.
@@ -28,9 +28,6 @@ pub enum OverlayError {
     /// The folder has no table of modal points.
     #[error("{} holds neither {} nor {}", .0.display(), TABLES[0], TABLES[1])]
     NoTable(PathBuf),
-    /// The folder has no table of responses.
-    #[error("{} holds no branch.csv", .0.display())]
-    NoResponses(PathBuf),
     /// A table, or a row of it, cannot be read.
     #[error(transparent)]
     Sheet(#[from] SheetError),
@@ -183,7 +180,7 @@ pub fn contacts_of(path: &Path) -> Option<PathBuf> {
 }
 
 /// The table of a folder, or the table itself.
-fn table(path: &Path) -> Result<PathBuf, OverlayError> {
+pub(super) fn table(path: &Path) -> Result<PathBuf, OverlayError> {
     if !path.is_dir() {
         return Ok(path.to_path_buf());
     }

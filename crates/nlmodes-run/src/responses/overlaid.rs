@@ -15,8 +15,9 @@ use crate::{Observer, RunError};
 
 /// Relative difference that the digits of a table make of a frequency: the ends of a curve stay within it.
 const TABLE_DIGITS: f64 = 1e-14;
-/// Relative difference up to which two levels are one.
+/// Relative difference up to which two levels are one; of a test, whose force is held to some per cent.
 const SAME_LEVEL: f64 = 1e-6;
+const SAME_FORCE: f64 = 0.05;
 
 /// Fundamental of the first contact, that of the drive point, m, and largest contact force, N; NaN where it is unknown.
 type Sizes = [f64; 3];
@@ -33,20 +34,26 @@ pub fn read(file: &SceneFile, observer: &mut dyn Observer) -> Result<Vec<LaidCur
     Ok(overlay::read_all(file, &file.scene.overlays, observer, overlay::curves)?.concat())
 }
 
-/// Each point that lies within the curves over the frequency of this scene, beside the one that is nearest there.
+/// Each point that lies within the curves over the frequency of this scene, beside the one that is nearest there; of a
+/// test within its phase resonances, if the scene has these.
 pub fn beside(laid: &LaidCurve, curves: &[ComputedResponse]) -> Vec<ResponseDifferenceRow> {
     // Modes and phase resonances belong to no level.
     if !matches!(laid.kind, LineKind::Response | LineKind::Measured) {
         return Vec::new();
     }
-    let own: Vec<&[ModalPoint]> = curves
-        .iter()
-        .filter(|computed| computed.kind == ResponseKind::Frequency)
-        .map(|computed| computed.branch.points.as_slice())
-        .collect();
+    let of_kind = |kind: ResponseKind| -> Vec<&[ModalPoint]> {
+        let own = curves.iter().filter(|computed| computed.kind == kind);
+        own.map(|computed| computed.branch.points.as_slice()).collect()
+    };
+    let resonances = if laid.is_test { of_kind(ResponseKind::PhaseResonance) } else { Vec::new() };
+    // Along these the level changes from point to point.
+    let (own, same) = match (resonances.is_empty(), laid.is_test) {
+        (false, _) => (resonances, f64::INFINITY),
+        (true, is_test) => (of_kind(ResponseKind::Frequency), if is_test { SAME_FORCE } else { SAME_LEVEL }),
+    };
     let beside = |(k, point): (usize, &ModalPoint)| {
         let ([fundamental, drive, force], [own_fundamental, own_drive, own_force]) =
-            (sizes(point), nearest(point, &own)?);
+            (sizes(point), nearest(point, (&own, same))?);
         Some(ResponseDifferenceRow {
             overlay: laid.branch.label.clone(),
             point: laid.first + k,
@@ -63,13 +70,14 @@ pub fn beside(laid: &LaidCurve, curves: &[ComputedResponse]) -> Vec<ResponseDiff
     laid.branch.points.iter().enumerate().filter_map(beside).collect()
 }
 
-/// The motion at the same frequency whose amplitude is nearest, of the curves of its level where it has one.
-fn nearest(point: &ModalPoint, curves: &[&[ModalPoint]]) -> Option<Sizes> {
+/// The motion at the same frequency whose amplitude is nearest, of the curves of its level where it has one, up to a
+/// relative difference.
+fn nearest(point: &ModalPoint, (curves, same): (&[&[ModalPoint]], f64)) -> Option<Sizes> {
     let (wanted, level, frequency) = (sizes(point), figures::level(point), figures::hertz(point));
     let amplitude = usize::from(!wanted[0].is_finite());
     let is_of_level = |curve: &&&[ModalPoint]| {
         let own = curve.first().map_or(f64::NAN, figures::level);
-        level.is_nan() || (own - level).abs() <= SAME_LEVEL * level.abs()
+        level.is_nan() || same.is_infinite() || (own - level).abs() <= same * level.abs()
     };
     let pairs = curves.iter().filter(is_of_level).flat_map(|curve| curve.windows(2));
     let crossings = pairs.filter_map(|pair| {
@@ -155,11 +163,13 @@ mod tests {
             let bent = vec![point(10.0, 4.0, 1.0), point(12.0, 4.0, 3.0), point(10.0, 4.0, 5.0)];
             let other = vec![point(10.0, 6.0, 1.6), point(12.0, 6.0, 1.6)];
             let all = [bent.as_slice(), other.as_slice()];
-            let near = |level, amplitude| nearest(&point(11.0, level, amplitude), &all).map(|found| found[0] / unit);
+            let near = |level, amplitude| {
+                nearest(&point(11.0, level, amplitude), (&all, SAME_LEVEL)).map(|found| found[0] / unit)
+            };
             assert!((near(4.0, 1.5).unwrap() - 2.0).abs() < 1e-12);
             assert!((near(4.0, 3.9).unwrap() - 4.0).abs() < 1e-12);
             assert!((near(f64::NAN, 1.5).unwrap() - 1.6).abs() < 1e-12);
-            assert_eq!((near(5.0, 1.5), nearest(&point(13.0, 4.0, 1.0), &all)), (None, None));
+            assert_eq!((near(5.0, 1.5), nearest(&point(13.0, 4.0, 1.0), (&all, SAME_LEVEL))), (None, None));
         }
     }
 }
