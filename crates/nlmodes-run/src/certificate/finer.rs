@@ -213,7 +213,7 @@ fn again(
         Err(BranchError::Ended(_)) => return missing(BROKEN_OFF, CERTIFY),
         Err(error) => return missing(&error.to_string(), how),
         Ok(found) => found.into_iter().for_each(|(k, after)| {
-            compared.take(Place::of(k, &of[k]), reach(of, k), after.map(|after| changes(of, &of[k], &after)));
+            compared.take(Place::of(k, &of[k]), sizes(&of[k]), after.map(|after| changes(of, &of[k], &after)));
         }),
     }
     compared.checks((name, how, source), words)
@@ -225,34 +225,35 @@ pub(crate) struct Compared {
     worst: [Worst; 4],
     lost: Vec<Place>,
     solved: usize,
-    /// Largest share of the range of energies of its curve that a point with a motion to compare with has come to.
-    reach: f64,
+    /// Largest sizes of the motions that have one to compare with, and of those that have none.
+    sizes: [[f64; 2]; 2],
 }
 
-/// Least share of the range of energies of a curve that points must have come to whose changes stand for the others
-/// too, if those have no motion to compare with: just beyond grazing a motion is almost linear.
-const REACH: f64 = 1e-3;
+/// Least share of the largest contact force and of the largest amplitude without a motion to compare with that points
+/// with one must have come to, for their changes to stand for the others too: the hardest contacts change most.
+const REACH: f64 = 0.9;
 
-/// Share of the range of energies of a curve between its first point and this one.
-pub(crate) fn reach(of: &[ModalPoint], point: usize) -> f64 {
-    let Some(first) = of.first().map(|first| first.kinetic_energy) else { return 0.0 };
-    let way = |point: &ModalPoint| (point.kinetic_energy - first).abs();
-    let most = of.iter().map(way).fold(0.0, f64::max);
-    if most > 0.0 { way(&of[point]) / most } else { 1.0 }
+/// What makes a motion change with more harmonics: its contact force, N, and its modal amplitude, m·√kg.
+pub(crate) fn sizes(point: &ModalPoint) -> [f64; 2] {
+    [point.peak_contact_force, point.modal_amplitude]
 }
 
 impl Compared {
-    /// Takes the changes of the numbers of a point, which has come to this share of the energies of its curve; without
-    /// any no motion was found next to it.
-    pub fn take(&mut self, place: Place, reach: f64, found: Option<[Option<f64>; 4]>) {
+    /// Takes the changes of the numbers of a point of these sizes; without any no motion was found next to it.
+    pub fn take(&mut self, place: Place, sizes: [f64; 2], found: Option<[Option<f64>; 4]>) {
         self.solved += 1;
+        let largest = &mut self.sizes[usize::from(found.is_none())];
+        largest.iter_mut().zip(sizes).for_each(|(largest, size)| *largest = largest.max(size));
         match found {
-            Some(found) => {
-                self.reach = self.reach.max(reach);
-                self.worst.iter_mut().zip(found).for_each(|(worst, found)| worst.take(place.point, found));
-            }
+            Some(found) => self.worst.iter_mut().zip(found).for_each(|(worst, found)| worst.take(place.point, found)),
             None => self.lost.push(place),
         }
+    }
+
+    /// Whether the points with a motion to compare with stand for the others.
+    fn stands_for_all(&self) -> bool {
+        let [found, lost] = self.sizes;
+        found.iter().zip(lost).all(|(found, lost)| *found >= REACH * lost)
     }
 
     /// How many have a motion to compare with.
@@ -260,21 +261,19 @@ impl Compared {
         self.solved - self.lost.len()
     }
 
-    /// The largest change of each number; none where only points next to the start have a motion to compare with.
+    /// The largest change of each number; none where only much smaller motions have one to compare with.
     pub fn checks(
         self,
         (name, how, source): (&'static str, &'static str, ErrorSource),
         words: impl Fn(usize, &str) -> String,
     ) -> Vec<Check> {
-        let found = self.found();
-        let Self { worst, lost, solved, reach } = self;
+        let (found, stands_for_all) = (self.found(), self.stands_for_all());
+        let Self { worst, lost, solved, .. } = self;
         let said = if lost.is_empty() { String::new() } else { format!("; {}", not_found(&lost)) };
         let words = words(solved, &said);
         let of = |(number, worst): (Number, Worst)| match worst.all.len() {
             0 if lost.is_empty() => Check::missing(name, Some(number), UNTOUCHED, TOUCHING),
-            n if n == 0 || (reach < REACH && !lost.is_empty()) => {
-                Check::missing(name, Some(number), not_found(&lost), how).without(&lost)
-            }
+            n if n == 0 || !stands_for_all => Check::missing(name, Some(number), not_found(&lost), how).without(&lost),
             n => {
                 let words = match found - n {
                     0 => words.clone(),

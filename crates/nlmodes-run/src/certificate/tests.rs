@@ -298,16 +298,18 @@ fn changes_are_said_in_per_cent_as_far_as_that_is_read() {
 }
 
 #[test]
-fn points_next_to_grazing_do_not_stand_for_those_that_have_no_motion_to_compare_with() {
+fn small_motions_do_not_stand_for_large_ones_that_have_no_motion_to_compare_with() {
     let place = |point: usize| Place { point, frequency_hz: 20.0, energy_j: None };
     let source = ErrorSource { kind: SourceKind::Harmonics, name: "7 harmonics".to_owned(), command: String::new() };
-    let checks = |reach: f64, lost: usize| {
+    let checks = |sizes: [f64; 2], lost: usize| {
         let mut compared = finer::Compared::default();
-        compared.take(place(1), reach, Some([Some(1e-6); 4]));
-        (2..2 + lost).for_each(|k| compared.take(place(k), 0.5, None));
+        compared.take(place(1), sizes, Some([Some(1e-6); 4]));
+        (2..2 + lost).for_each(|k| compared.take(place(k), [20.0, 1e-3], None));
         compared.checks(("harmonics", "", source.clone()), |_, _| String::new())
     };
-    assert!(checks(1e-5, 9).iter().all(|check| check.value.is_none() && check.words.contains("no motion")));
-    assert!(checks(0.1, 9).iter().all(|check| check.value == Some(1e-6)));
-    assert!(checks(1e-5, 0).iter().all(|check| check.value == Some(1e-6)));
+    for small in [[0.1, 1e-3], [20.0, 1e-5]] {
+        assert!(checks(small, 9).iter().all(|check| check.value.is_none() && check.words.contains("no motion")));
+        assert!(checks(small, 0).iter().all(|check| check.value == Some(1e-6)));
+    }
+    assert!(checks([19.0, 1e-3], 9).iter().all(|check| check.value == Some(1e-6)));
 }

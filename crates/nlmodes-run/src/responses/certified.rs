@@ -8,7 +8,7 @@ use nlmodes_scene::scene::Scene;
 use super::curves::ComputedResponse;
 use super::summary::imbalance;
 use super::tables::points;
-use crate::certificate::finer::{Compared, changes, more_modes, of_responses, open_modes, reach};
+use crate::certificate::finer::{Compared, changes, more_modes, of_responses, open_modes, sizes};
 use crate::certificate::{Certificate, Check, ErrorSource, Number, Place, SourceKind, mesh, required, residual};
 use crate::model::Model;
 
@@ -27,7 +27,7 @@ pub fn certificate(scene: &Scene, model: &Model, curves: &[ComputedResponse]) ->
         let own = &computed.branch.points;
         for (k, found) in &computed.finer {
             let changed = found.as_ref().map(|found| changes(own, &own[*k], found));
-            compared.take(places[first + k], reach(own, *k), changed);
+            compared.take(places[first + k], sizes(&own[*k]), changed);
         }
         first += own.len();
     }
