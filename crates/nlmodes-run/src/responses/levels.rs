@@ -26,10 +26,15 @@ pub struct Level {
     jumps: Vec<Jump>,
     /// Where a sweep leaves a stable segment without a fold, in the order of the frequencies.
     losses: Vec<Loss>,
+    /// Folds with points on both sides of which no stability is known, Hz: a sweep may jump there.
+    folds_hz: Vec<f64>,
     /// The largest amplitude; where there is none, the largest contact force.
     peak: Option<Peak>,
     /// The largest contact force; none where nothing touches.
     largest_force: Option<LargestForce>,
+    /// Whether there is a stop to be touched.
+    #[serde(skip)]
+    has_stops: bool,
     /// What unstable motions become, in the order of the curves: of `run --certify`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) unstable: Vec<Unstable>,
@@ -189,9 +194,14 @@ fn length(metres: f64) -> String {
 /// Smallest change that is more than rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// ` ± 3 %`, or nothing where the error is not known or no more than rounding.
+/// ` ± 3 %`, or nothing where the error was not looked for or is no more than rounding; what is not a number is not
+/// known.
 fn within(error: Option<f64>) -> String {
-    error.filter(|error| *error > ROUNDING).map_or_else(String::new, |error| format!(" ± {}", share(error)))
+    match error {
+        Some(error) if error.is_nan() => " (error not known)".to_owned(),
+        Some(error) if error > ROUNDING => format!(" ± {}", share(error)),
+        _ => String::new(),
+    }
 }
 
 impl Jump {
@@ -247,6 +257,8 @@ impl Level {
             points += 1;
         }
         let stability_known = f64::from(known) / f64::from(points.max(1));
+        let mut folds_hz: Vec<f64> = curves.iter().flat_map(|of| unknown_folds(&of.branch.points)).collect();
+        folds_hz.sort_by(f64::total_cmp);
         let largest_force = largest(force).filter(|(_, (_, point))| point.peak_contact_force > 0.0);
         let largest_force = largest_force.map(|(of, (k, point))| LargestForce {
             frequency_hz: frequency(point),
@@ -261,7 +273,21 @@ impl Level {
             peak_contact_force_n: point.peak_contact_force,
             stable: is_stable(point),
         });
-        Self { response, level, stability_known, stable, jumps, losses, peak, largest_force, unstable: Vec::new() }
+        let has_stops = curves.iter().flat_map(|of| &of.branch.points).any(|point| !point.contacts.is_empty());
+        let unstable = Vec::new();
+        Self {
+            response,
+            level,
+            stability_known,
+            stable,
+            jumps,
+            losses,
+            folds_hz,
+            peak,
+            largest_force,
+            has_stops,
+            unstable,
+        }
     }
 
     /// Whether a curve is one of this level.
@@ -274,16 +300,30 @@ impl Level {
         format!("{} {unit}: {}", short(self.level), self.lines().join("\n    "))
     }
 
-    /// Peak, force and jumps alone, in one line.
+    /// Peak, force, jumps and losses of stability alone, in one line.
     pub fn in_a_line(&self, unit: &str) -> String {
-        let peak =
-            self.moving().map(|peak| format!("up to {} at {} Hz", length(peak.amplitude_m), short(peak.frequency_hz)));
-        let force = self.largest_force.as_ref().map(|largest| format!("up to {} N", significant(largest.force_n, 4)));
-        let jumps = self.jumps.iter().map(|jump| format!("{} at {} Hz", jump.direction, short(jump.frequency_hz)));
-        let jumps = jumps.collect::<Vec<_>>().join(", ");
-        let jumps = (!jumps.is_empty()).then(|| format!("jumps {jumps}"));
-        let parts: Vec<String> = [peak, force, jumps].into_iter().flatten().collect();
+        let of = |stable: Option<bool>| if stable == Some(false) { ", unstable" } else { "" };
+        let peak = self.moving().map(|peak| {
+            let (amplitude, at) = (length(peak.amplitude_m), short(peak.frequency_hz));
+            format!("up to {amplitude} at {at} Hz{}", of(peak.stable))
+        });
+        let force =
+            |largest: &LargestForce| format!("up to {} N{}", significant(largest.force_n, 4), of(largest.stable));
+        let force = self.largest_force.as_ref().map(force);
+        let listed = |what: &str, all: &mut dyn Iterator<Item = (Direction, f64)>| {
+            let all: Vec<String> = all.map(|(direction, hz)| format!("{direction} at {} Hz", short(hz))).collect();
+            (!all.is_empty()).then(|| format!("{what} {}", all.join(", ")))
+        };
+        let jumps = listed("jumps", &mut self.jumps.iter().map(|jump| (jump.direction, jump.frequency_hz)));
+        let losses = listed("loses stability", &mut self.losses.iter().map(|loss| (loss.direction, loss.frequency_hz)));
+        let known = self.is_partly_known().then(|| format!("stability known at {}", share(self.stability_known)));
+        let parts: Vec<String> = [peak, force, jumps, losses, known].into_iter().flatten().collect();
         format!("{} {unit}: {}", short(self.level), parts.join("; "))
+    }
+
+    /// Whether stability is known, but at so few points that stable segments and jumps may be missing.
+    fn is_partly_known(&self) -> bool {
+        !self.stable.is_empty() && self.stability_known < MOST
     }
 
     /// The largest amplitude; none where the first contact stays at rest.
@@ -303,13 +343,18 @@ impl Level {
                 format!("largest amplitude {amplitude}{error} {}", place(peak.frequency_hz, peak.stable))
             },
         );
-        let force = self.largest_force.as_ref().map_or_else(String::new, |largest| {
-            format!("; largest contact force {} {}", largest.text(), place(largest.frequency_hz, largest.stable))
-        });
+        let force = match &self.largest_force {
+            Some(largest) => {
+                let at = place(largest.frequency_hz, largest.stable);
+                format!("; largest contact force {} {at}", largest.text())
+            }
+            None if self.has_stops => "; no stop is touched".to_owned(),
+            None => String::new(),
+        };
         lines.push(peak + &force);
         if !self.stable.is_empty() {
             lines.push(format!("stable from {}", self.stable_text()));
-            if self.stability_known < MOST {
+            if self.is_partly_known() {
                 let (known, key) = (share(self.stability_known), "output.stability_budget_s");
                 lines.push(format!(
                     "stability is known at {known} of the points only: elsewhere no jump is seen ({key})"
@@ -317,6 +362,11 @@ impl Level {
             }
         }
         lines.extend(self.sweep());
+        if !self.folds_hz.is_empty() {
+            let at: Vec<String> = self.folds_hz.iter().map(|hz| short(*hz)).collect();
+            let folds = if at.len() == 1 { "fold" } else { "folds" };
+            lines.push(format!("{folds} at {} Hz, stability not known: a sweep may jump there", at.join(", ")));
+        }
         lines
     }
 
@@ -418,10 +468,14 @@ impl<'a> Segment<'a> {
 
     /// Direction of a sweep that comes from within to this frequency, Hz, at one of its ends, 0 or 1.
     fn direction(&self, at: f64, end: usize) -> Direction {
-        let inner = frequency(self.at(self.ends[end]));
         let [low, high] = self.range();
-        let toward = if inner == at { 0.5 * (low + high) } else { inner };
-        if at >= toward { Direction::Up } else { Direction::Down }
+        let inward: Box<dyn Iterator<Item = &ModalPoint>> = match end {
+            0 => Box::new(self.points().iter()),
+            _ => Box::new(self.points().iter().rev()),
+        };
+        // Beside a kink a fold may be only rounding apart from the points next to it.
+        let apart = inward.map(frequency).find(|hz| (hz - at).abs() > SHORTEST * at);
+        if at >= apart.unwrap_or(0.5 * (low + high)) { Direction::Up } else { Direction::Down }
     }
 
     /// The jumps from its ends.
@@ -486,6 +540,14 @@ fn beyond(points: &[ModalPoint], end: usize, outward: impl Iterator<Item = usize
     found
 }
 
+/// Frequencies of the folds of a curve with points on both sides of which no stability is known, Hz.
+fn unknown_folds(points: &[ModalPoint]) -> impl Iterator<Item = f64> + '_ {
+    let is_known = |k: usize| points[k].stability.is_some_and(|stability| stability.stable.is_some());
+    let folds = (0..points.len()).filter(|k| points[*k].events.contains(&Event::Fold));
+    let unknown = folds.filter(move |&k| !(k.saturating_sub(NEAR)..points.len().min(k + NEAR + 1)).any(is_known));
+    unknown.map(|k| frequency(&points[k]))
+}
+
 /// Whether an event tells why stability is lost.
 fn named(event: &Event) -> bool {
     is_loss(event) || matches!(event, Event::Grazing | Event::LiftOff | Event::Kink | Event::ContactChange)
@@ -495,11 +557,12 @@ fn is_loss(event: &Event) -> bool {
     matches!(event, Event::PeriodDoubling | Event::NeimarkSacker)
 }
 
-/// Relative change of a quantity of a point with twice as many harmonics.
+/// Relative change of a quantity of a point with twice as many harmonics; NaN where no motion with so many was found
+/// next to it, none where none was looked for.
 fn change(of: &ComputedResponse, point: usize, quantity: fn(&ModalPoint) -> f64) -> Option<f64> {
     let (_, finer) = of.finer.iter().find(|(k, _)| *k == point)?;
-    let [before, after] = [&of.branch.points[point], finer.as_ref()?].map(quantity);
-    Some((after / before - 1.0).abs())
+    let after = finer.as_ref().map_or(f64::NAN, quantity);
+    Some((after / quantity(&of.branch.points[point]) - 1.0).abs())
 }
 
 pub(super) fn frequency(point: &ModalPoint) -> f64 {
