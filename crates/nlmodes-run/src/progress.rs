@@ -131,7 +131,7 @@ impl Limits {
     fn new(scene: &Scene) -> Self {
         let continuation = &scene.continuation;
         Self {
-            energy_ratio: scene.max_energy_ratio(),
+            energy_ratio: Some(scene.max_energy_ratio(continuation.frequency_hz.is_some())),
             window: continuation.frequency_hz,
             points: continuation.max_points,
             start: continuation.start(),

@@ -88,7 +88,7 @@ pub fn branch_settings(scene: &Scene) -> BranchSettings {
         },
         contact_solver: method.contact_solver.name().to_owned(),
         held_modes: method.held_modes,
-        max_energy_ratio: scene.max_energy_ratio(),
+        max_energy_ratio: Some(scene.max_energy_ratio(scene.continuation.frequency_hz.is_some())),
         frequency_hz: scene.continuation.frequency_hz,
         max_points: scene.continuation.max_points,
         at_branch_point: match scene.continuation.at_branch_point {

@@ -134,10 +134,9 @@ impl Scene {
         !self.springs.is_empty() || has_stops
     }
 
-    /// Averaged kinetic energy at which a mode ends, relative to that where it starts; none with a frequency window
-    /// alone.
-    pub fn max_energy_ratio(&self) -> Option<f64> {
-        self.continuation.energy_limit(!self.springs.is_empty())
+    /// Averaged kinetic energy at which a mode ends, relative to that where it starts, within a frequency window or not.
+    pub fn max_energy_ratio(&self, has_window: bool) -> f64 {
+        self.continuation.energy_limit(has_window || !self.springs.is_empty())
     }
 
     /// Whether nothing in it is nonlinear: no stop, and no spring with a law of force.

@@ -7,15 +7,15 @@ use nlmodes::branches::Watch;
 use nlmodes::hbm::Coordinates;
 use nlmodes::modal::{ModalBranch, ModalPoint, Participation};
 use nlmodes::response::{
-    Appropriation, EndReason, Event, FinerSettings, Gradients, ResponseCurve, ResponseError, ResponseModel,
-    ResponsePoint, ResponseSettings, StepLog, appropriation, branching_responses, conservative_mode, damped_mode,
-    detached_response, force_response, frequency_response, lies_on, phase_resonance, response_from_other_end,
+    Appropriation, EndReason, Event, FinerSettings, ResponseCurve, ResponseError, ResponseModel, ResponsePoint,
+    ResponseSettings, StepLog, appropriation, branching_responses, conservative_mode, damped_mode, detached_response,
+    force_response, frequency_response, lies_on, phase_resonance, response_from_other_end,
 };
 use nlmodes_scene::number;
 use nlmodes_scene::scene::{AtBranchPoint, Response, ResponseKind, Scene, StabilityChoice, Switching};
 
 use super::convert::Converter;
-use super::gradients::changes;
+use super::gradients::gradients;
 use crate::chain;
 use crate::model::Model;
 
@@ -170,8 +170,8 @@ pub fn follow(
     };
     let followed = model.with_drive(job.response).and_then(|system| {
         let held = job.level.filter(|_| job.wanted.kind == ResponseKind::Frequency);
-        let (watched, changes) = changes(model, scene, (job.response, held), &settings, &system)?;
-        let settings = settings.with_gradients(Gradients { watched, changes: changes.into() });
+        let gradients = gradients(model, (scene, job.response, held), &settings, &system)?;
+        let settings = settings.with_gradients(gradients);
         let (curves, accuracy) = accurate(&system, scene, &job, &settings)?;
         let converter = Converter::new(model, &system, job.wanted.kind, job.wanted.subharmonic)?;
         let mut all = Vec::new();
@@ -294,11 +294,7 @@ fn curve(
     settings: &ResponseSettings,
 ) -> Result<Vec<Followed>, ResponseError> {
     let level = job.level.unwrap_or(0.0);
-    let limit = match job.wanted.frequency_hz.is_empty() {
-        true => scene.max_energy_ratio(),
-        false => scene.continuation.max_energy_ratio,
-    };
-    let energy = limit.unwrap_or(BEYOND);
+    let energy = scene.max_energy_ratio(!job.wanted.frequency_hz.is_empty());
     let curve = match job.wanted.kind {
         ResponseKind::DampedMode => damped_mode(system, energy, settings),
         ResponseKind::Mode | ResponseKind::Appropriation => conservative_mode(system, energy, settings),
@@ -417,9 +413,6 @@ fn not_followed(curve: &ResponseCurve, job: &Job<'_>, scene: &Scene) -> String {
     };
     format!("; at {points} other motions begin: {follows}")
 }
-
-/// Largest energy of a mode over that at grazing where it ends at a frequency.
-const BEYOND: f64 = 1e6;
 
 /// Window about the mode where the scene has none.
 const WINDOW: [f64; 2] = [0.5, 2.5];

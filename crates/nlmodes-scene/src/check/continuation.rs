@@ -15,7 +15,8 @@ pub fn check(branch: &Continuation, [has_springs, has_laws]: [bool; 2], diagnost
 
 fn check_energy(branch: &Continuation, has_springs: bool, diagnostics: &mut Diagnostics<'_>) {
     let path = "continuation.start_energy_ratio";
-    let (Some(ratio), Some(max)) = (branch.start_energy_ratio, branch.energy_limit(has_springs)) else { return };
+    let Some(ratio) = branch.start_energy_ratio else { return };
+    let max = branch.energy_limit(has_springs || branch.frequency_hz.is_some());
     if ratio > max {
         let diagnostic = Diagnostic::error(format!("`{path}` is beyond the end of the branch"));
         let diagnostic = match diagnostics.document().place("continuation.max_energy_ratio") {

@@ -6,8 +6,8 @@ use super::{AtBranchPoint, FrequencyDirection, InternalResonance};
 /// How far the branch is followed: to a limit of energy, of frequency, or whichever comes first.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Continuation {
-    /// Averaged kinetic energy at which the branch ends, relative to that at grazing; default: no limit with a
-    /// frequency window, else 10, and 1e4 with `[[spring]]`, where modes start almost linear
+    /// Averaged kinetic energy at which the branch ends, relative to that at grazing; default: 10, or 1e4 with
+    /// a frequency window and with `[[spring]]`, where modes start almost linear
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 1.0))]
     pub max_energy_ratio: Option<f64>,
@@ -76,16 +76,15 @@ pub enum Start {
 /// touches the stop.
 const ENERGY_RATIO: f64 = 10.0;
 
-/// The same of modes that start where springs hardly matter: a hundred times that amplitude, where a cubic spring
-/// matters as much as the structure.
-const ENERGY_RATIO_WITH_SPRINGS: f64 = 1e4;
+/// The same within a frequency window, at whose edge a mode ends that does not saturate before, and of modes that start
+/// where springs hardly matter: a hundred times that amplitude, where a cubic spring matters as much as the structure.
+const FAR_ENERGY_RATIO: f64 = 1e4;
 
 impl Continuation {
-    /// Averaged kinetic energy at which a mode ends, relative to that where it starts; none with a frequency window
-    /// alone. A structure with springs has the higher default.
-    pub fn energy_limit(&self, has_springs: bool) -> Option<f64> {
-        let default = if has_springs { ENERGY_RATIO_WITH_SPRINGS } else { ENERGY_RATIO };
-        self.max_energy_ratio.or(self.frequency_hz.is_none().then_some(default))
+    /// Averaged kinetic energy at which a mode ends, relative to that where it starts. `goes_far` has the higher default:
+    /// a structure with springs, or a mode within a frequency window.
+    pub fn energy_limit(&self, goes_far: bool) -> f64 {
+        self.max_energy_ratio.unwrap_or(if goes_far { FAR_ENERGY_RATIO } else { ENERGY_RATIO })
     }
 
     /// Where the branch starts.
