@@ -44,6 +44,7 @@ pub fn linear_frequencies(py: Python<'_>, source: Source, overrides: Vec<String>
     dict.set_item("mass_kept", found.mass_kept)?;
     dict.set_item("mass_redistributed", found.mass_redistributed)?;
     dict.set_item("contacts_held", found.contacts_held)?;
+    dict.set_item("about_rest", found.about_rest)?;
     Ok(dict)
 }
 

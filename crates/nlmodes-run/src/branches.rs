@@ -150,7 +150,7 @@ fn one_branch(
     let laid = tree.branches.first().map(|first| Overlaid::new(laid, &BranchCurve::new(first, &[], state.as_ref())));
     let (written, linear, participation) = match found {
         Ok((mut linear, participation)) => {
-            open.iter().for_each(|open| linear.mark(&open.modes, &open.strainless));
+            open.iter().for_each(|open| linear.complete(scene, open));
             let is_shown = scene.files.figures || scene.files.page;
             let curves = tree.branches.iter().zip(&participation);
             let curves: Vec<BranchCurve<'_>> =

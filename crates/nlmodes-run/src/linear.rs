@@ -11,7 +11,8 @@ use crate::mass;
 use crate::open_modes::{LISTED, OpenLinearModes};
 use nlmodes::model::reduction::OpenModes;
 use nlmodes_scene::assemble::{
-    Assembly, Strainless, StructureError, Structures, contact_model, element_model, free_modes, redistribution,
+    Assembly, OpenStructure, Strainless, StructureError, Structures, contact_model, element_model, free_modes,
+    redistribution,
 };
 use nlmodes_scene::number;
 use nlmodes_scene::scene::{MethodKind, Scene, Structure, StructureKind};
@@ -32,6 +33,9 @@ pub struct LinearFrequencies {
     pub mass_redistributed: Option<Vec<f64>>,
     /// Contacts held, contact mass redistributed.
     pub contacts_held: Option<Vec<f64>>,
+    /// The contacts closed that press at rest under static loads, on the springs of their stops; none where none does.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub about_rest: Option<Vec<f64>>,
     /// What each mode with the contact mass kept is, in a few words.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub characters: Vec<String>,
@@ -65,7 +69,7 @@ pub fn linear_frequencies(scene: &Scene, assembly: &Assembly) -> Result<LinearFr
     let massless = contact_model(scene, model)?;
     let open = OpenLinearModes::new(scene, model, &massless).map_err(|error| floating(scene, error))?;
     let mut found = frequencies(scene, model, &massless, &open)?;
-    assembly.open.iter().for_each(|open| found.mark(&open.modes, &open.strainless));
+    assembly.open.iter().for_each(|open| found.complete(scene, open));
     Ok(found)
 }
 
@@ -86,9 +90,27 @@ pub fn without_contacts(scene: &Scene) -> Result<Option<LinearFrequencies>, Stru
 }
 
 impl LinearFrequencies {
+    /// The columns of a table with their names, `redistributed` that of the rule for the mass of the contacts.
+    pub(crate) fn columns<'a>(&'a self, redistributed: &'a str) -> Vec<(&'a str, &'a [f64])> {
+        let all = [
+            ("contact mass kept", Some(&self.mass_kept)),
+            (redistributed, self.mass_redistributed.as_ref()),
+            ("contacts held", self.contacts_held.as_ref()),
+            ("about the rest", self.about_rest.as_ref()),
+            ("of the elements", self.of_the_elements.as_ref()),
+        ];
+        all.into_iter().filter_map(|(name, f)| Some((name, f?.as_slice()))).collect()
+    }
+
+    /// Adds what the reduced structure tells: motions that strain nothing, and the frequencies about its rest.
+    pub(crate) fn complete(&mut self, scene: &Scene, open: &OpenStructure) {
+        self.mark(&open.modes, &open.strainless);
+        self.about_rest = open.about_rest(scene).ok().flatten().map(|omega| hertz(&omega));
+    }
+
     /// Gives the motions that strain nothing the frequency zero, also with the contacts held where no contact feels
     /// them, and says what they are and what the digits of the files leave open of the others.
-    pub(crate) fn mark(&mut self, modes: &OpenModes, strainless: &Strainless) {
+    fn mark(&mut self, modes: &OpenModes, strainless: &Strainless) {
         let of_each = (1..=self.mass_kept.len()).map(|mode| modes.left_open(mode));
         self.left_open = of_each.collect();
         if self.left_open.iter().flatten().all(|share| *share <= SETTLED) {
@@ -143,7 +165,7 @@ pub fn frequencies(
         of_the_elements,
         mass_redistributed: Some(hertz(&open.own.omega)),
         contacts_held: Some(hertz(&held.omega)),
-        left_open: Vec::new(),
+        ..LinearFrequencies::default()
     })
 }
 

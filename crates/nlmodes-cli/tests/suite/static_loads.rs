@@ -273,6 +273,19 @@ fn check_speaks_of_loads_where_there_are_any() -> Outcome {
     Ok(())
 }
 
+/// About the rest the structure vibrates with its stop closed: as its elements do with the node of the stop held.
+#[test]
+fn the_frequencies_about_the_rest_are_listed() -> Outcome {
+    let kept = LEDGE.replace("mass_redistribution = \"drop\"\n", "");
+    let (folder, summary) = run(&format!("{kept}{WEIGHT}[reduction]\nmodes = 10\n"), &[])?;
+    let linear = &summary["linear_frequencies_hz"];
+    let [rest, held] = ["about_rest", "contacts_held"].map(|of| number(&linear[of][0]));
+    assert!((rest / held - 1.0).abs() < 1e-5, "{linear}");
+    let (_, said) = call("check", &folder.path().join("scene.toml"), &[])?;
+    assert!(said.contains(" Hz, contacts open; 73.39") && said.contains(" Hz about the rest"), "{said}");
+    Ok(())
+}
+
 /// With many harmonics the end rattles on its ledge, and the mode bends within less than a millionth of its steps.
 #[test]
 fn a_damped_mode_is_followed_where_it_rattles() -> Outcome {

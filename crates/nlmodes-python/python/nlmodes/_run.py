@@ -184,7 +184,7 @@ def check(scene: Scene, **overrides: Any) -> list[str]:
 def linear_frequencies(scene: Scene, **overrides: Any) -> dict[str, list[float] | None]:
     """Lowest linear frequencies of the structure of a scene, Hz.
 
-    ``mass_kept``: contacts open, all mass; ``mass_redistributed``: contacts open, mass of the contacts as the method has it; ``contacts_held``.
+    ``mass_kept``: contacts open, all mass; ``mass_redistributed``: contacts open, mass of the contacts as the method has it; ``contacts_held``; ``about_rest``: the contacts closed that press at rest, None where none does.
     """
     return _native.linear_frequencies(_source(scene), _overrides(overrides))
 

@@ -87,17 +87,11 @@ fn beyond_accuracy(computed: &ComputedBranch) -> Option<DataTable> {
 }
 
 fn linear_table(found: &LinearFrequencies) -> DataTable {
-    let columns = [
-        Some(("contact mass kept", &found.mass_kept)),
-        found.mass_redistributed.as_ref().map(|f| ("contact mass taken away", f)),
-        found.contacts_held.as_ref().map(|f| ("contacts held", f)),
-        found.of_the_elements.as_ref().map(|f| ("of the elements, none imposed", f)),
-    ];
-    let columns: Vec<(&str, &Vec<f64>)> = columns.into_iter().flatten().collect();
+    let columns = found.columns("contact mass taken away");
     let head: Vec<&str> = ["mode"].into_iter().chain(columns.iter().map(|(name, _)| *name)).collect();
     let mut table = DataTable::new("Linear frequencies, Hz", &head);
     for k in 0..found.mass_kept.len() {
-        let cell = |(_, f): &(&str, &Vec<f64>)| f.get(k).map_or_else(|| "–".to_owned(), |f| format!("{f:.5}"));
+        let cell = |(_, f): &(&str, &[f64])| f.get(k).map_or_else(|| "–".to_owned(), |f| format!("{f:.5}"));
         table.rows.push([(k + 1).to_string()].into_iter().chain(columns.iter().map(cell)).collect());
     }
     table

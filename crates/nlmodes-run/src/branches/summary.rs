@@ -246,6 +246,7 @@ fn amplitude_at_contacts(computed: &ComputedBranch) -> f64 {
 pub fn method_used(scene: &Scene, computed: &ComputedBranch) -> MethodUsed {
     MethodUsed {
         name: match scene.method.kind {
+            MethodKind::MsHbm if scene.is_in_open_modes() => "mixed shooting-harmonic balance, free-interface modes",
             MethodKind::MsHbm => "mixed shooting-harmonic balance, massless contact nodes",
             MethodKind::Hbm => "harmonic balance, elastic stops, contact nodes in harmonics",
             MethodKind::Shooting => "exact shooting, linear motion between located contact instants",

@@ -13,13 +13,7 @@ impl LinearFrequencies {
     pub fn table(&self, scene: &Scene) -> String {
         let rule = scene.method.mass_redistribution.name();
         let redistributed = format!("contact mass: {rule}");
-        let columns = [
-            Some(("contact mass kept", &self.mass_kept)),
-            self.mass_redistributed.as_ref().map(|f| (redistributed.as_str(), f)),
-            self.contacts_held.as_ref().map(|f| ("contacts held", f)),
-            self.of_the_elements.as_ref().map(|f| ("of the elements", f)),
-        ];
-        let columns: Vec<(&str, &Vec<f64>)> = columns.into_iter().flatten().collect();
+        let columns = self.columns(&redistributed);
         let modal =
             scene.structure.straight().and_then(modal_model).map_or_else(String::new, |text| format!("\n{text}"));
         let mut text = format!("{}{modal}\n\nfrequency, Hz\n  mode", scene.title);

@@ -126,6 +126,19 @@ impl OpenStructure {
         Self { modes, reduced, dofs, contacts, files, elsewhere, picture, strainless, state }.under_loads(scene)
     }
 
+    /// Angular frequencies about the place at which the structure of this scene rests, rad/s, with the contacts closed
+    /// that press there, on the springs of their stops; none where no contact presses, or where springs and stops with
+    /// a law of force are yet to come.
+    ///
+    /// # Errors
+    /// [`StructureError`] if the eigenproblem cannot be solved.
+    pub fn about_rest(&self, scene: &Scene) -> Result<Option<Vec<f64>>, StructureError> {
+        let pressed = self.state.as_ref().map(|state| &state.rest.closed).filter(|closed| closed.contains(&true));
+        let Some(closed) = pressed.filter(|_| !scene.has_laws()) else { return Ok(None) };
+        let modes = self.modes.closed_modes(closed)?;
+        Ok(Some(modes.omega_squared.iter().map(|square| square.sqrt()).collect()))
+    }
+
     /// The same with the gaps that static loads leave.
     fn under_loads(self, scene: &Scene) -> Result<Self, StructureError> {
         let files = self.files.as_ref().map(|(model, _)| model.as_ref());

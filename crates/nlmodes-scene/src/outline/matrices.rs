@@ -28,7 +28,7 @@ pub fn rows(scene: &Scene, open: Option<&OpenStructure>) -> Vec<Row> {
     let (Some(matrices), Some(open)) = (scene.structure.matrices(), open) else { return Vec::new() };
     let Some((model, found)) = &open.files else { return Vec::new() };
     let mut lines = structure(matrices, model);
-    lines.push(row("frequencies", frequencies(open)));
+    lines.push(row("frequencies", frequencies(scene, open)));
     lines.extend(left_open(scene, open, model));
     lines.extend(contacts(matrices, model, found));
     let effort = Effort::of_reduction(model.n_dofs(), found.len(), open.modes.n_modes());
@@ -117,11 +117,15 @@ fn free_mass(matrices: &Matrices, model: &FeModel) -> String {
 }
 
 /// The first frequencies, behind the motions that strain nothing.
-pub(super) fn frequencies(open: &OpenStructure) -> String {
+pub(super) fn frequencies(scene: &Scene, open: &OpenStructure) -> String {
     let (squares, count) = (open.modes.omega_squared(), open.strainless.count());
-    let hz = squares.iter().skip(count).take(FIRST).map(|square| square.max(0.0).sqrt() / TAU);
-    let list: Vec<String> = hz.map(short).collect();
-    let elastic = format!("{} Hz, contacts open", list.join(", "));
+    let listed = |omega: &mut dyn Iterator<Item = f64>| {
+        omega.take(FIRST).map(|omega| short(omega / TAU)).collect::<Vec<_>>().join(", ")
+    };
+    let open_hz = listed(&mut squares.iter().skip(count).map(|square| square.max(0.0).sqrt()));
+    let rest = open.about_rest(scene).ok().flatten();
+    let rest = rest.map_or_else(String::new, |omega| format!("; {} Hz about the rest", listed(&mut omega.into_iter())));
+    let elastic = format!("{open_hz} Hz, contacts open{rest}");
     if count == 0 {
         return elastic;
     }
@@ -173,7 +177,12 @@ fn contacts(matrices: &Matrices, model: &FeModel, contacts: &[NodeContact]) -> V
     let gaps = || contacts.iter().map(|contact| contact.gap);
     let (low, high) = (gaps().fold(f64::MAX, f64::min), gaps().fold(f64::MIN, f64::max));
     let [low, high] = [low, high].map(short);
-    let mut lines = vec![row("contacts", format!("{}, gaps from {low} to {high} m", contacts.len()))];
+    let together: f64 = contacts.iter().filter_map(|contact| contact.stiffness).sum();
+    let springs = match contacts.len() > 1 && together > 0.0 {
+        true => format!("; springs of {} N/m together", short(together)),
+        false => String::new(),
+    };
+    let mut lines = vec![row("contacts", format!("{}, gaps from {low} to {high} m{springs}", contacts.len()))];
     lines.extend(sets(matrices, model));
     lines.extend(contacts.iter().take(LISTED).enumerate().map(|(stop, of)| row("", contact(stop, model, of))));
     if contacts.len() > LISTED {

@@ -23,7 +23,7 @@ pub fn rows(scene: &Scene, open: Option<&OpenStructure>) -> Vec<Row> {
     lines.extend(open.picture.iter().zip(&model.picture).map(|(mesh, of)| row("picture", picture(mesh, of))));
     lines.extend([
         row("units", format!("{} in files, SI from here on", model.units)),
-        row("frequencies", frequencies(open)),
+        row("frequencies", frequencies(scene, open)),
     ]);
     lines.extend((0..known.rows.min(LISTED)).map(|i| row("", share(open, i))));
     lines.extend(model.row_contacts.iter().enumerate().map(|(i, of)| row(format!("contact {i}"), contact(of))));

@@ -26,7 +26,7 @@ pub fn rows(scene: &Scene, open: Option<&OpenStructure>, state: Option<&StaticSt
     rows.extend(springs::rows(scene));
     rows.extend(static_loads::rows(scene, state));
     rows.extend(scene.updating.as_ref().map(|updating| row("updating", fitted(updating))));
-    rows.extend(open.filter(|_| !bodies.is_empty()).map(|open| row("frequencies", matrices::frequencies(open))));
+    rows.extend(open.filter(|_| !bodies.is_empty()).map(|open| row("frequencies", matrices::frequencies(scene, open))));
     rows.extend(open.map(|open| matrices::reduction(scene, open)));
     if scene.transient.is_none() {
         rows.push(row("method", method(scene)));
@@ -220,7 +220,8 @@ fn branch(scene: &Scene, reference: &str) -> String {
             format!("from {} times the {reference} energy, {}", number(ratio), direction.name())
         }
     };
-    let energy = scene.max_energy_ratio().map(|ratio| format!("to {} times the {reference} energy", number(ratio)));
+    let ratio = scene.max_energy_ratio(continuation.frequency_hz.is_some());
+    let energy = Some(format!("to {} times the {reference} energy", number(ratio)));
     let window = continuation.frequency_hz.map(|[low, high]| format!("within {} to {} Hz", number(low), number(high)));
     let points = format!("at most {} points", continuation.max_points);
     let arms = match continuation.at_branch_point {
