@@ -92,7 +92,7 @@ fn of_passage(passage: &Passage, digits: &Digits, has_contacts: bool) -> String 
         0.0 => "modal amplitude 0: the fundamental takes no part".to_owned(),
         amplitude => format!("modal amplitude {} m √kg", rounded(amplitude, digits.amplitude)),
     });
-    what.push(format!("largest displacement at stop 0: {} m", rounded(passage.peak_m, digits.peak)));
+    what.push(format!("largest displacement toward stop 0: {} m", rounded(passage.peak_m, digits.peak)));
     let of_level =
         |level| format!("level {} {}", short(level), passage.level_unit.unwrap_or("in the unit of its load"));
     what.extend(passage.level.map(of_level));

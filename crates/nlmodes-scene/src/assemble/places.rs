@@ -81,7 +81,7 @@ pub(super) fn unsupported(structure: &Structure) -> Structure {
 /// If there is no such node, in words.
 pub fn node_weights(dofs: &[Dof], node: u64, direction: [f64; 3]) -> Result<Weights, String> {
     if !dofs.iter().any(|dof| dof.node as u64 == node) {
-        return Err(format!("the structure has no node {node}"));
+        return Err(format!("the structure has no node {node}, or its supports hold it in all directions"));
     }
     let find = |kind: DofKind| dofs.iter().position(|dof| dof.node as u64 == node && dof.kind == kind);
     let along = [DofKind::X, DofKind::Y, DofKind::Z].into_iter().zip(direction).filter(|(_, w)| *w != 0.0);

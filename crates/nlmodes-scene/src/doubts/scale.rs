@@ -19,7 +19,16 @@ pub fn doubts(subject: &Subject<'_>) -> Option<String> {
         return None;
     }
     let units = subject.matrices.files.units;
-    let help = match suggested(mass / units.mass(Component::X, Component::X), volume / units.length().powi(3)) {
+    let (mass_unit, volume_unit) = (units.mass(Component::X, Component::X), units.length().powi(3));
+    // In the units of the files.
+    let written = density * volume_unit / mass_unit;
+    let help = match suggested(mass / mass_unit, volume / volume_unit) {
+        // The same as if the density alone were in kg/m³.
+        Some("m-kg-s") => format!(
+            "in m-kg-s it would be plausible; or the material has {} where {units} needs {}",
+            short(written),
+            short(written * volume_unit / mass_unit)
+        ),
         Some(other) => format!("in {other} it would be plausible"),
         None => "are mesh and matrices in the same units, and of the same structure?".into(),
     };

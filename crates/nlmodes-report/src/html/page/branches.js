@@ -14,7 +14,7 @@ function facts(branch, index) {
     ["averaged kinetic energy", significant(branch.energy[index], 5) + " J"],
     ["modal amplitude", significant(branch.amplitude[index], 5) + " m √kg"],
     ["largest contact force*", withUnit(branch.force[index], "N", prefixed, force)],
-    [branch.stops.length > 1 ? "largest displacement toward stop 0" : "largest displacement", withUnit(branch.peak[index], "m", fine)],
+    [branch.stops.length > 1 ? "largest displacement toward stop 0" : "largest displacement toward the stop", withUnit(branch.peak[index], "m", fine)],
     ["total energy", significant(branch.totalEnergy[index], 5) + " J"],
     ["contacts a period", String(branch.contactIntervals[index])],
     ["residual", significant(branch.residual[index], 2)],
@@ -76,7 +76,7 @@ function withUnit(value, name, choice, like = 0) {
   return significant(value * unit.perSi, 5) + " " + unit.symbol;
 }
 
-const tipRows = new Set(["total energy", "residual", "contacts a period", "largest displacement", "largest displacement toward stop 0"]);
+const tipRows = new Set(["total energy", "residual", "contacts a period", "largest displacement toward the stop", "largest displacement toward stop 0"]);
 
 function describePoint(curve, index) {
   const branch = DATA.branches[curve.key];

@@ -11,7 +11,7 @@ function allColumns() {
   const all = [
     plain("frequency", "frequency in Hz"),
     ...(DATA.quantities || []).map((label, k) => column(`quantity${k}`, label, "linear", branch => branch.extra && branch.extra[k])), plain("energy", "averaged kinetic energy in J", "log"), plain("amplitude", "modal amplitude in m √kg"),
-    plain("totalEnergy", "total energy in J", "log"), plain("peak", "largest displacement in m"),
+    plain("totalEnergy", "total energy in J", "log"), plain("peak", "largest displacement toward the stop in m"),
     column("closed", "first contact closed, % of period", "linear", branch => percent(branch.contactFraction)),
     plain("contactIntervals", "contacts a period"),
     ...numbers(most(branch => branch.stops.length)).flatMap(stop => [
