@@ -7,8 +7,8 @@ function text = check(scene, varargin)
 % Computes no more than linear modes, and writes nothing. Raises nlmodes:scene with the text of the command line where a
 % run would not begin.
 [~, overrides] = nlmodes.internal.options(varargin, {});
-[file, ~, done] = nlmodes.internal.scene_file(scene, []); %#ok<ASGLU> the scene is deleted with `done`
-[status, said] = nlmodes.internal.call([{'check', file}, nlmodes.internal.set_options(overrides)]);
+[file, ~, overrides, done] = nlmodes.internal.scene_file(scene, [], overrides); %#ok<ASGLU> deleted with `done`
+[status, said] = nlmodes.internal.call([{'check', file}, nlmodes.internal.set_options(overrides)], false);
 if status ~= 0
   error('nlmodes:scene', '%s', nlmodes.internal.messages(said));
 end

@@ -5,11 +5,11 @@ function yes = is_list(name, value)
 name = regexprep(name, '^.*\.', '');
 if isstruct(value)
   yes = any(strcmp(name, {'contact', 'force', 'static_force', 'spring', 'channel', 'segment', ...
-    'sensitivity', 'vary', 'quantity', 'mass_point', 'dashpot', 'load', 'overlay'}));
+    'sensitivity', 'vary', 'quantity', 'mass_point', 'dashpot', 'load', 'place', 'sensor', 'overlay'}));
 elseif ischar(value) || isa(value, 'string')
   yes = any(strcmp(name, {'files', 'fixed', 'methods', 'parameters'}));
 else
   yes = ~isempty(regexp(name, '^(levels|positions|accelerometers|(damping_)?ratios|frequencies)(_|$)', 'once')) ...
-    || any(strcmp(name, {'fixed', 'histories', 'nodes', 'values'}));
+    || any(strcmp(name, {'fixed', 'histories', 'nodes', 'polynomial', 'values'}));
 end
 end
