@@ -1,10 +1,13 @@
 function [complete, because] = ends_of(summary)
 %ENDS_OF  Whether every branch of a summary reached an end that its scene names, and why the first incomplete one, else
-% the last, ended.
+% the last, ended. Motions in time say so themselves.
 complete = true;
 because = '';
 ends = cell(1, 0);
-% The key `end`, a keyword of MATLAB, is decoded as xEnd.
+if all(isfield(summary, {'complete', 'ended'}))
+  complete = logical(summary.complete);
+  because = char(summary.ended);
+end
 for name = {'xEnd', 'branches', 'curves'}
   if ~isfield(summary, name{1}), continue; end
   parts = summary.(name{1});

@@ -4,14 +4,11 @@ folder = fullfile(root, place);
 branch = struct('name', name, 'folder', folder, 'summary', nlmodes.internal.json(folder));
 branch.branch = nlmodes.internal.csv(fullfile(folder, 'branch.csv'));
 for table = {'contacts', 'participation'}
-  branch.(table{1}) = optional(@nlmodes.internal.csv, fullfile(folder, [table{1}, '.csv']), true);
+  file = fullfile(folder, [table{1}, '.csv']);
+  branch.(table{1}) = nlmodes.internal.optional(@nlmodes.internal.csv, file, true);
 end
 for archive = {'harmonics', 'histories'}
-  branch.(archive{1}) = optional(@nlmodes.internal.npz, fullfile(folder, [archive{1}, '.npz']), arrays);
+  file = fullfile(folder, [archive{1}, '.npz']);
+  branch.(archive{1}) = nlmodes.internal.optional(@nlmodes.internal.npz, file, arrays);
 end
-end
-
-function value = optional(reader, file, wanted)
-value = [];
-if wanted && isfile(file), value = reader(file); end
 end
