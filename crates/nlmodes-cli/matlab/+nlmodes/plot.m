@@ -30,9 +30,9 @@ curves = [curves, of_test{:}];
 if isempty(names), names = defaults_of(curves, ~isempty(over)); end
 [x, y] = names{:};
 for k = 1:numel(curves), expect_columns(curves(k).columns, {x, y}); end
-colors = get(gca, 'colororder');
 held = ishold;
-if ~held, cla; end
+newplot;
+colors = get(gca, 'colororder');
 [handles, entries] = deal(zeros(1, 0));
 for k = 1:numel(curves)
   color = colors(mod(k - 1, size(colors, 1)) + 1, :);
@@ -177,7 +177,7 @@ none = NaN(size(xs));
 bars = {reshape([xs - dx, xs + dx, none]', [], 1), reshape([ys, ys, none]', [], 1); ...
   reshape([xs, xs, none]', [], 1), reshape([ys - dy, ys + dy, none]', [], 1)};
 for k = 1:2
-  hidden(line(bars{k, 1}, bars{k, 2}, 'color', color, 'linewidth', 1));
+  hidden(line(bars{k, 1}, bars{k, 2}, 'color', color, 'linewidth', 1.5));
 end
 handle = double(line(xs, ys, 'color', color, 'linestyle', 'none', 'marker', 'o', 'markersize', 5));
 set(handle, 'markerfacecolor', color, 'displayname', curve.name);

@@ -44,7 +44,7 @@ end
 function held = told(lines, held)
 % Prints lines that are neither part of a warning nor of an error.
 for k = 1:numel(lines)
-  begins = ~isempty(regexp(lines{k}, '^(warning|error): |^\d+ errors? in ', 'once'));
+  begins = ~isempty(regexp(lines{k}, '^(warning|error|sh): |^\d+ errors? in ', 'once'));
   belongs = held && ~isempty(regexp(lines{k}, '^(\s|\d+ +\||$)', 'once'));
   held = begins || belongs;
   if ~held, fprintf('%s\n', lines{k}); end

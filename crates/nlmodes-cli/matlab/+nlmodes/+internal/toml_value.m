@@ -30,10 +30,14 @@ yes = (ischar(value) && size(value, 1) <= 1) || (isscalar(value) && ~iscell(valu
 end
 
 function text = numbers(value, key)
-if isscalar(value)
-  text = number(double(value));
-elseif isempty(value)
+matrices = {'contact_rows', 'flexibility_m_n', 'residual_flexibility_m_n', 'rows', 'shapes'};
+if isempty(value)
   text = '[]';
+elseif any(strcmp(regexprep(key, '^.*\.', ''), matrices)) && ndims(value) == 2 %#ok<ISMAT> of one row or column too
+  row_of = @(k) ['[', strjoin(arrayfun(@(one) number(double(one)), value(k, :), 'UniformOutput', false), ', '), ']'];
+  text = ['[', strjoin(arrayfun(row_of, 1:size(value, 1), 'UniformOutput', false), ', '), ']'];
+elseif isscalar(value)
+  text = number(double(value));
 elseif ndims(value) == 2 && any(size(value) == 1) %#ok<ISMAT> vectors of both orientations are lists
   text = list_of(num2cell(value), key);
 elseif ndims(value) == 2 %#ok<ISMAT>

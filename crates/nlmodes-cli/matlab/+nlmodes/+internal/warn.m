@@ -42,7 +42,8 @@ end
 
 function head = named(line)
 % What the lines below are about: a level, a record, a curve.
+found = regexp(line, '^curve \d+ of \d+: (.*)$', 'tokens', 'once');
+if isempty(found), found = regexp(line, '^(?!Results in |part )([^:]*):(?: .*)?$', 'tokens', 'once'); end
 head = '';
-found = regexp(line, '^(?:curve \d+ of \d+: (.*)|([^:]*):( .*)?)$', 'tokens', 'once');
-if ~isempty(found) && isempty(regexp(line, '^(Results in|part) ', 'once')), head = [found{1}, ': ']; end
+if ~isempty(found), head = [found{1}, ': ']; end
 end
