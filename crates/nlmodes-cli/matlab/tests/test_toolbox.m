@@ -16,7 +16,9 @@ tests = { ...
   @the_plot_names_missing_columns, ...
   @what_the_command_line_prints_is_shown, ...
   @reservations_are_warnings, ...
+  @a_branch_that_ends_early_is_read, ...
   @records_are_those_of_the_command_line, ...
+  @records_of_a_structure_are_those_of_their_formula, ...
   @motions_in_time_are_those_of_the_command_line, ...
   @other_matrices_are_not_overwritten, ...
   @mistakes_in_matrices_have_their_rows, ...
@@ -159,6 +161,8 @@ for name = names
   expect(nlmodes.internal.is_list(name{1}, 1), [name{1}, ' is not known as a list']);
 end
 same('value', nlmodes.internal.toml_value([1, 0.1; 1e300, -3], ''), '[[1, 0.1], [1e+300, -3]]');
+same('value', nlmodes.internal.toml_value([1; 2], 'linear_modes.shapes'), '[[1], [2]]');
+same('value', nlmodes.internal.toml_value(3, 'shapes'), '[[3]]');
 law = struct('polynomial', [0, 0, 6e9]);
 same('value', nlmodes.internal.toml_value(law, 'law'), '{ polynomial = [0, 0, 6000000000] }');
 end
@@ -210,9 +214,9 @@ end
 
 function what_the_command_line_prints_is_shown(root)
 scene = scene_of(root, 'beam_responses');
-said = evalc(['nlmodes.run(scene, ''out'', ''shown'', ''response.0.levels_n'', [5, 20], ', ...
+said = evalc(['nlmodes.run(scene, ''out'', ''shown'', ''response.0.levels_n'', 5, ', ...
   '''output.stability'', ''never'');']);
-options = '--set response.0.levels_n=[5,20] --set output.stability=\"never\" --out not_shown';
+options = '--set response.0.levels_n=[5] --set output.stability=\"never\" --out not_shown';
 [~, expected] = system(sprintf('"%s" run "%s" %s 2>&1', nlmodes.program(), scene, options));
 % Lines without times and folders: peaks, jumps, estimated errors.
 lines = strsplit(without_times(strrep(expected, 'not_shown', fullfile(pwd, 'shown'))), char(10));
@@ -255,6 +259,13 @@ end
 same('number', numel(regexp(said, 'warning: (?!called from)')), 3);
 end
 
+function a_branch_that_ends_early_is_read(root)
+result = nlmodes.run(scene_of(root, 'rod'), 'out', 'early', 'method.harmonics', 3, 'continuation.max_points', 5, ...
+  'quiet', true);
+same('points', result.branch.point, (0:4)');
+expect(~result.complete && ~isempty(strfind(result.ended_because, 'limit of 5 points')), result.ended_because);
+end
+
 function records_are_those_of_the_command_line(root)
 test = nlmodes.extract(scene_of(root, 'measured_record'), 'out', 'measured', 'quiet', true);
 [status, said] = system(sprintf('"%s" experiment extract "%s" --quiet --out told 2>&1', nlmodes.program(), ...
@@ -270,6 +281,26 @@ same('the same again', again.points, test.points);
 expect(abs(found - 2e5) < 6 * error_of, 'the stiffness of the stop is not that of the records');
 raised = raised_by(@() nlmodes.extract(scene_of(root, 'rod'), 'quiet', true));
 same('identifier', raised.identifier, 'nlmodes:scene');
+end
+
+function records_of_a_structure_are_those_of_their_formula(~)
+% A mass on a spring in resonance: a quarter of a period behind the force, with the amplitude phi F / (2 zeta omega^2).
+[f, zeta, phi] = deal(20, 0.01, 1.5);
+omega = 2 * pi * f;
+time = (0:1 / 4000:2)';
+force = 0.5 * cos(omega * time);
+x = phi ^ 2 * 0.5 / (2 * zeta * omega ^ 2) * sin(omega * time);
+mkdir('rig');
+save(fullfile('rig', 'run.mat'), 'time', 'force', 'x', '-v6');
+scene = struct('title', 'Mass on a spring');
+scene.recording = struct('files', fullfile('rig', 'run.mat'), 'time_column', 'time');
+scene.channel = struct('name', {'force', 'x'}, 'quantity', {'force', 'displacement'}, ...
+  'role', {'excitation', 'drive-point'}, 'position_m', 0.2);
+scene.linear_modes = struct('frequencies_hz', f, 'damping_ratios', zeta, 'positions_m', 0.2, 'shapes', phi);
+test = nlmodes.extract(scene, 'quiet', true);
+near = @(name, value) abs(test.points.(name) / value - 1) < 1e-6;
+expect(near('frequency_hz', f) && near('damping', zeta) && near('lag_deg', 90), 'it is not that of the mass');
+expect(near('modal_amplitude', phi * 0.5 / (2 * zeta * omega ^ 2)), 'the amplitude is not that of the mass');
 end
 
 function motions_in_time_are_those_of_the_command_line(root)
@@ -447,7 +478,7 @@ file = fullfile(root, 'configs', [name, '.toml']);
 end
 
 function folder = command_line_run(scene, options)
-folder = tempname;
+folder = tempname(pwd);
 [status, said] = system(sprintf('"%s" run "%s" %s --quiet --out "%s" 2>&1', nlmodes.program(), scene, options, folder));
 expect(status == 0, said);
 end
