@@ -117,7 +117,8 @@ function mistakes_have_the_text_of_the_command_line(root)
 scene = fileread(scene_of(root, 'rod'));
 write('wrong.toml', strrep(scene, 'gap_m', 'gapm'));
 [~, said] = system(['"', nlmodes.program(), '" run wrong.toml --quiet 2>&1']);
-raised = raised_by(@() nlmodes.run('wrong.toml'));
+printed = evalc('raised = raised_by(@() nlmodes.run(''wrong.toml''));');
+same('printed', printed, '');
 same('identifier', raised.identifier, 'nlmodes:scene');
 same('text', raised.message, strtrim(said));
 raised = raised_by(@() nlmodes.check('wrong.toml'));
@@ -163,6 +164,8 @@ end
 same('value', nlmodes.internal.toml_value([1, 0.1; 1e300, -3], ''), '[[1, 0.1], [1e+300, -3]]');
 same('value', nlmodes.internal.toml_value([1; 2], 'linear_modes.shapes'), '[[1], [2]]');
 same('value', nlmodes.internal.toml_value(3, 'shapes'), '[[3]]');
+raised = raised_by(@() nlmodes.internal.toml_value(1 + 2i, 'force.amplitude_n'));
+expect(~isempty(strfind(raised.message, '`force.amplitude_n` is complex')), raised.message);
 law = struct('polynomial', [0, 0, 6e9]);
 same('value', nlmodes.internal.toml_value(law, 'law'), '{ polynomial = [0, 0, 6000000000] }');
 end

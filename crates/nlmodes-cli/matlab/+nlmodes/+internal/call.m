@@ -23,20 +23,24 @@ end
 end
 
 function [status, text] = streamed(line)
-% Octave's pclose does not give the exit status: the shell prints it behind everything else.
+% Octave's pclose does not give the exit status: the shell prints it behind everything else. Its fgetl waits for the
+% line behind the one that it gives, therefore byte by byte.
 mark = 'exit status of nlmodes-cli: ';
 in = popen([line, '; echo "', mark, '$?"'], 'r');
 done = onCleanup(@() pclose(in));
-[lines, held, status] = deal(cell(1, 0), false, 1);
-next = fgetl(in);
-while ischar(next)
-  if strncmp(next, mark, numel(mark))
-    status = str2double(next(numel(mark) + 1:end));
+[lines, own, held, status] = deal(cell(1, 0), '', false, 1);
+next = fread(in, 1, 'uint8=>char');
+while ~isempty(next)
+  if next ~= char(10)
+    own(end + 1) = next; %#ok<AGROW>
+  elseif strncmp(own, mark, numel(mark))
+    status = str2double(own(numel(mark) + 1:end));
   else
-    held = told({next}, held);
-    lines{end + 1} = [next, char(10)]; %#ok<AGROW>
+    held = told({own}, held);
+    lines{end + 1} = [own, char(10)]; %#ok<AGROW>
   end
-  next = fgetl(in);
+  if next == char(10), own = ''; end
+  next = fread(in, 1, 'uint8=>char');
 end
 text = [lines{:}];
 end
@@ -45,7 +49,7 @@ function held = told(lines, held)
 % Prints lines that are neither part of a warning nor of an error.
 for k = 1:numel(lines)
   begins = ~isempty(regexp(lines{k}, '^(warning|error|sh): |^\d+ errors? in ', 'once'));
-  belongs = held && ~isempty(regexp(lines{k}, '^(\s|\d+ +\||$)', 'once'));
+  belongs = held && (isempty(lines{k}) || ~isempty(regexp(lines{k}, '^(\s|\d+ +\|)', 'once')));
   held = begins || belongs;
   if ~held, fprintf('%s\n', lines{k}); end
 end

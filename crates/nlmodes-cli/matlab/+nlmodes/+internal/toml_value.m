@@ -20,6 +20,8 @@ elseif islogical(value) && isscalar(value)
   text = names{1 + value};
 elseif (isnumeric(value) || islogical(value)) && isreal(value)
   text = numbers(value, key);
+elseif isnumeric(value)
+  error('nlmodes:scene', '`%s` is complex; real numbers were expected: amplitude_n and phase_deg of a force', key);
 else
   error('nlmodes:scene', '`%s` is a %s; a text, a number, a list or a structure was expected', key, class(value));
 end
