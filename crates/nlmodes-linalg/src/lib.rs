@@ -42,6 +42,7 @@ mod error;
 mod exponential;
 mod modes;
 mod ordering;
+mod quadrature;
 mod sparse;
 mod sparse_lu;
 mod symmetric;
@@ -56,6 +57,7 @@ pub use error::LinalgError;
 pub use exponential::matrix_exponential;
 pub use faer::Mat;
 pub use modes::{CommonMotions, Modes, Openness, Origin, Pencil, Written, lowest_modes};
+pub use quadrature::gauss_legendre;
 pub use sparse::{
     SparseMatrix, Triplet, add_scaled, asymmetry, bilinear, max_norm, multiply, multiply_many, multiply_transposed,
     select, sparse_from_triplets, triplets,

@@ -15,7 +15,7 @@ pub use hertz::HertzStop;
 pub(crate) use operator::{LawOperator, StopMotion};
 pub use rest::{LawAtRest, about_rest_of_law, laws_at_rest};
 pub use shapes::{Bilinear, Exponential, Polynomial, PowerDamper, PowerSpring};
-pub use start::{ModeStart, law_length, modal_start};
+pub use start::{ModeStart, UNIT_ENERGY, law_length, modal_start};
 pub use table::TableLaw;
 pub use touches::touch_spans;
 pub(crate) use touches::value as law_value;

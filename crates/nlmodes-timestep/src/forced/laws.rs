@@ -7,13 +7,14 @@
 mod transition;
 
 use std::fmt::Debug;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
-use nlmodes_linalg::{DenseLu, Mat};
+use nlmodes_linalg::{DenseLu, Mat, gauss_legendre};
 
 use super::flow::Flow;
 use super::input::{DEGREE, Observed};
-use super::series::{ORDER, Polynomial, Series, terms_within};
+use super::linear::LinearFlow;
+use super::series::{FlowSeries, ORDER, Polynomial, terms_within};
 use super::trajectory::Running;
 use super::{ForcedStructure, input};
 use crate::TimestepError;
@@ -61,8 +62,8 @@ pub(super) struct LawAt {
 /// A law along a step: the displacement of its place, and the rate that it feels where that is not the slope.
 #[derive(Debug)]
 pub(super) struct LawSeries {
-    pub place: Series,
-    rate: Option<Series>,
+    pub place: FlowSeries,
+    rate: Option<FlowSeries>,
     /// What unit reactions at the nodes move, at the nodes and both ends of a step of length h: coefficients of the
     /// powers of h over the longest step, of the displacement and of h times the rate.
     by_reactions: Vec<Vec<[f64; 2]>>,
@@ -70,7 +71,7 @@ pub(super) struct LawSeries {
 
 impl LawSeries {
     /// Displacement and rate at the nodes and both ends of a step of length `h`, of what `of` takes.
-    fn values(&self, of: impl Fn(&Series) -> Polynomial, flow: &Flow, h: f64) -> Vec<[f64; 2]> {
+    fn values(&self, of: impl Fn(&FlowSeries) -> Polynomial, flow: &Flow, h: f64) -> Vec<[f64; 2]> {
         let (place, rate) = (of(&self.place), self.rate.as_ref().map(of));
         let terms = terms_within(h / flow.step);
         let at = |tau: &f64| {
@@ -95,24 +96,24 @@ impl LawSeries {
 }
 
 impl ForcedStructure {
-    /// A law along a step with this matrix, from the row of its place.
-    pub(super) fn law_series(&self, law: usize, place: &[f64], matrix: &Mat<f64>, step: f64) -> LawSeries {
+    /// A law along a step of this flow, from the row of its place.
+    pub(super) fn law_series(&self, law: usize, place: &[f64], flow: &LinearFlow) -> LawSeries {
         // The force of a stop bends as it closes: by what it moves beyond the modes a damper would jump there.
         let beside_stops = self.n_contacts() > 0 || self.law_stops().any(|(other, _)| other != law);
         let rate = beside_stops.then(|| {
             let (m, mut row) = (self.n_modes(), vec![0.0; place.len()]);
             let modes = self.laws[law].place.modes.iter();
             row[m..2 * m].iter_mut().zip(modes).for_each(|(row, mode)| *row = self.rate() * mode);
-            Series::new(&row, matrix, step)
+            flow.along(&row)
         });
-        let place = Series::new(place, matrix, step);
-        let by_reactions = self.by_reactions((&place, rate.as_ref()), step);
+        let place = flow.along(place);
+        let by_reactions = self.by_reactions((&place, rate.as_ref()), flow.step);
         LawSeries { place, rate, by_reactions }
     }
 
     /// [`LawSeries::by_reactions`]: a reaction is a polynomial along the step, whose coefficient of `t^k` moves a place
     /// with powers of the time from k on.
-    fn by_reactions(&self, (place, rate): (&Series, Option<&Series>), step: f64) -> Vec<Vec<[f64; 2]>> {
+    fn by_reactions(&self, (place, rate): (&FlowSeries, Option<&FlowSeries>), step: f64) -> Vec<Vec<[f64; 2]>> {
         let (all, monomials) = (self.laws.len() * S, Monomials::new());
         let mut by = vec![vec![[0.0; 2]; (S + 2) * all]; ORDER + 1];
         let powers = self.laws.iter().enumerate().flat_map(|(l, at)| (0..S).map(move |k| (l, k, at.input)));
@@ -120,7 +121,7 @@ impl ForcedStructure {
             let entry = self.first_of_input(input) + k;
             let (moved, scale) = (place.column(entry), (self.rate() * step).powi(-(k as i32)));
             let of_rate = rate.map(|rate| rate.column(entry));
-            for (i, tau) in NODES.into_iter().chain([0.0, 1.0]).enumerate() {
+            for (i, tau) in NODES.iter().copied().chain([0.0, 1.0]).enumerate() {
                 let slope = |p: usize| match (&of_rate, p.checked_sub(1)) {
                     (_, None) => 0.0,
                     (Some(rate), Some(before)) => rate.a[before] * step * tau.powi(before as i32),
@@ -201,15 +202,11 @@ impl ForcedStructure {
 }
 
 /// Nodes of a step: the roots of Legendre's polynomial of degree six on (0, 1).
-const NODES: [f64; 6] = [
-    0.033_765_242_898_424_03,
-    0.169_395_306_766_867_76,
-    0.380_690_406_958_401_56,
-    0.619_309_593_041_598_5,
-    0.830_604_693_233_132_2,
-    0.966_234_757_101_575_9,
-];
-const S: usize = NODES.len();
+static NODES: LazyLock<[f64; S]> = LazyLock::new(|| {
+    let rule = gauss_legendre(S);
+    std::array::from_fn(|k| 0.5 * (1.0 + rule[k][0]))
+});
+const S: usize = 6;
 
 /// Newton steps for the reactions of a step, halvings of such a step, and change of the reactions at which they end.
 const ITERATIONS: usize = 30;

@@ -1,9 +1,9 @@
 use std::f64::consts::TAU;
 
+use nlmodes_linalg::gauss_legendre;
 use num_complex::Complex64;
 
 use super::flow::Flow;
-use super::series::Series;
 use super::trajectory::Piece;
 use crate::first_root::Guard;
 use crate::phase::dot;
@@ -25,15 +25,7 @@ pub struct ForcedMotion {
     pub(super) pieces: Vec<Piece>,
 }
 
-/// Nodes and weights of Gauss' rule of eight points on (−1, 1).
-const GAUSS: [(f64, f64); 4] = [
-    (0.183_434_642_495_649_8, 0.362_683_783_378_362),
-    (0.525_532_409_916_329, 0.313_706_645_877_887_3),
-    (0.796_666_477_413_626_7, 0.222_381_034_453_374_5),
-    (0.960_289_856_497_536_3, 0.101_228_536_290_376_3),
-];
-
-/// Parts of a step for this rule.
+/// Parts of a step, in each of which a rule of eight points is taken.
 const PARTS: usize = 4;
 
 impl ForcedMotion {
@@ -110,24 +102,23 @@ impl ForcedMotion {
     }
 
     fn highest(&self, piece: &Piece, row: &[f64]) -> f64 {
-        let along = Series::new(row, &piece.flow.matrix, piece.flow.step).from(&piece.w);
+        let along = piece.flow.along(row).from(&piece.w);
         along.highest(piece.length / piece.flow.step)
     }
 
     /// `(2/T) ∫ r(t) e^{−i n ω t} dt` of a row, half of it for the mean.
     fn harmonic(&self, row: impl Fn(&Flow) -> Vec<f64>, harmonic: usize) -> Complex64 {
         let nu = harmonic as f64 * self.omega / self.periods as f64;
-        let mut sum = Complex64::default();
+        let (mut sum, rule) = (Complex64::default(), gauss_legendre(8));
         for piece in &self.pieces {
-            let along = Series::new(&row(&piece.flow), &piece.flow.matrix, piece.flow.step).from(&piece.w);
+            let along = piece.flow.along(&row(&piece.flow)).from(&piece.w);
             // Within a part neither the motion nor its harmonic turns by much.
             let parts = PARTS + (nu * piece.length).ceil() as usize;
             let half = 0.5 * piece.length / parts as f64;
-            for (part, (node, weight)) in (0..parts).flat_map(|part| GAUSS.map(|pair| (part, pair))) {
-                for t in [node, -node].map(|node| half * (2.0 * part as f64 + 1.0 + node)) {
-                    let value = along.evaluate(t / piece.flow.step)[0];
-                    sum += Complex64::cis(-nu * (piece.from + t)) * (half * weight * value);
-                }
+            for (part, [node, weight]) in (0..parts).flat_map(|part| rule.iter().map(move |pair| (part, pair))) {
+                let t = half * (2.0 * part as f64 + 1.0 + node);
+                let value = along.evaluate(t / piece.flow.step)[0];
+                sum += Complex64::cis(-nu * (piece.from + t)) * (half * weight * value);
             }
         }
         sum * (if harmonic == 0 { 1.0 } else { 2.0 } / self.period())

@@ -17,12 +17,11 @@ const NONLINEAR: f64 = 0.1;
 /// Displacement of a law by a mode, over the sum of its shares, below which it is at a node.
 const NODE: f64 = 1e-10;
 
-/// Samples of a period in which that is evaluated, and most halvings of the amplitude, from one metre at a law on.
+/// Samples of a period in which that is evaluated.
 const SAMPLES: usize = 64;
-const HALVINGS: usize = 200;
 
-/// Energy at which contacts that touch at rest are set back before the mode has its own, J.
-const UNIT_ENERGY: f64 = 1.0;
+/// Energy with which modes begin before contacts that all touch at rest, J: those of any other are these, multiplied.
+pub const UNIT_ENERGY: f64 = 1.0;
 
 /// Squared frequency over the largest below which a mode is a rigid-body motion.
 const RIGID: f64 = 1e-12;
@@ -258,10 +257,7 @@ fn amplitude_within(laws: &[Resting], shape: &[f64], omega_squared: f64, share: 
     };
     let largest = max_norm(rows.iter().copied());
     let mut amplitude = if largest > 0.0 { 1.0 / largest } else { 1.0 / max_norm(shape.iter().copied()) };
-    for _ in 0..HALVINGS {
-        if change(amplitude) <= share * omega_squared {
-            break;
-        }
+    while change(amplitude) > share * omega_squared && amplitude > f64::MIN_POSITIVE {
         amplitude *= 0.5;
     }
     amplitude
