@@ -4,6 +4,7 @@
 mod flow;
 mod input;
 mod laws;
+mod linear;
 mod motion;
 mod series;
 mod shooting;
@@ -13,7 +14,9 @@ mod transient;
 
 pub use input::{DEGREE, Signal, SignalPiece};
 pub use laws::{LawSettings, TimeLaw};
+pub use linear::{LinearFlow, TURN};
 pub use motion::ForcedMotion;
+pub use series::FlowSeries;
 pub use stroboscope::Flash;
 pub use transient::{Along, Blow, Stretch, Touch, TransientSettings};
 

@@ -17,7 +17,7 @@
 //! | `B`, `y` | reduction to fixed-interface modes, its coordinates | 1/√kg, m·√kg | [`GalerkinReduction`] |
 //! | `x` | damped structure under a periodic load, its exact motion | | [`ForcedStructure`], [`ForcedMotion`] |
 //! | | nonlinear mode by shooting, with its modal quantities | | [`ModeShooting`] |
-//! | `𝒜` | contact problem of all samples at once | m/N | [`GlobalContactProblem`] |
+//! | `𝒜` | linear equations in steps of one length | | [`LinearFlow`] |
 //!
 //! ```
 //! use nlmodes_linalg::sparse_from_triplets;
@@ -57,7 +57,6 @@ mod first_root;
 mod floquet;
 mod forced;
 mod fourier;
-mod global_problem;
 mod grazing;
 mod mode_shooting;
 mod oscillation;
@@ -73,10 +72,9 @@ pub use dynamics::{ContactDynamics, MAX_DOFS};
 pub use error::TimestepError;
 pub use floquet::{Floquet, UNIT_CIRCLE};
 pub use forced::{
-    Along, Blow, DEGREE, Flash, ForcedMotion, ForcedStructure, LawSettings, Signal, SignalPiece, Stretch, TimeLaw,
-    Touch, TransientSettings,
+    Along, Blow, DEGREE, Flash, FlowSeries, ForcedMotion, ForcedStructure, LawSettings, LinearFlow, Signal,
+    SignalPiece, Stretch, TURN, TimeLaw, Touch, TransientSettings,
 };
-pub use global_problem::GlobalContactProblem;
 pub use grazing::GrazingState;
 pub use mode_shooting::{MAX_SHOOTING_MODES, ModeShooting};
 pub use nlmodes_model::reduction::GalerkinReduction;

@@ -63,7 +63,6 @@
 //! Equation numbers: S. Peter, F. Schreyer, R. I. Leine, *A method for numerical and experimental nonlinear modal
 //! analysis of nonsmooth systems*, Mechanical Systems and Signal Processing 120 (2019) 793-807.
 
-mod bernstein;
 mod chain;
 mod closed_loop;
 mod drive;
@@ -72,7 +71,6 @@ mod exciter;
 mod finding;
 mod functional;
 mod harmonics;
-mod matrix;
 mod phase_plant;
 mod propagator;
 mod reduction;

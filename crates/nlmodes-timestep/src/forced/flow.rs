@@ -1,16 +1,12 @@
-use nlmodes_linalg::{DenseLu, Mat, eigenvalues, matrix_exponential};
+use std::ops::Deref;
+
+use nlmodes_linalg::{DenseLu, Mat, eigenvalues};
 
 use super::laws::LawSeries;
-use super::series::Series;
+use super::linear::{LinearFlow, TURN};
+use super::series::FlowSeries;
 use super::{DEGREE, ForcedStructure, Observed};
 use crate::TimestepError;
-use crate::phase::product;
-
-/// Length of a step relative to the shortest time per radian of the structure or its load.
-const TURN: f64 = 2.0;
-
-/// Maximum number of terms of a power series within a step.
-const TERMS: usize = 60;
 
 /// The structure as long as one set of contacts is closed: `ẇ = 𝒜 w` for the state extended by a one, the oscillators
 /// of the periodic load and the Taylor coefficients of all others, so that loads and gaps are included and resonance
@@ -18,22 +14,19 @@ const TERMS: usize = 60;
 #[derive(Debug)]
 pub(super) struct Flow {
     pub closed: Vec<bool>,
-    pub step: f64,
-    /// `𝒜`, and `e^{𝒜 step}`.
-    pub matrix: Mat<f64>,
-    over_step: Mat<f64>,
+    linear: LinearFlow,
     /// Guards, which must not become negative, m: the gap of an open contact, the force of a closed one times its own
     /// compliance.
     pub guards: Vec<Vec<f64>>,
     /// Those along a step.
-    pub watched: Vec<Series>,
+    pub watched: Vec<FlowSeries>,
     /// Contact forces (N), gaps without them and with them (m).
     pub forces: Vec<Vec<f64>>,
     pub free: Vec<Vec<f64>>,
     pub gaps: Vec<Vec<f64>>,
     /// Forces and observed displacements along a step.
-    pub forces_along: Vec<Series>,
-    pub observed: Vec<Series>,
+    pub forces_along: Vec<FlowSeries>,
+    pub observed: Vec<FlowSeries>,
     /// Displacements of the laws along a step.
     pub laws: Vec<LawSeries>,
 }
@@ -144,15 +137,16 @@ impl ForcedStructure {
         let loads = self.loads.iter().map(|load| load.harmonic as f64 * omega);
         let fastest = found.iter().map(|z| z.norm()).chain(loads).fold(omega, f64::max);
         let step = TURN / fastest;
-        let over_step = scaled_exponential(&matrix, n, step)?;
+        let linear = LinearFlow::new(matrix, step)
+            .map_err(TimestepError::during("exponential of a structure with some contacts closed"))?;
         let guards: Vec<Vec<f64>> = (0..closed.len()).map(guard).collect();
-        let along = |rows: &[Vec<f64>]| rows.iter().map(|row| Series::new(row, &matrix, step)).collect();
+        let along = |rows: &[Vec<f64>]| rows.iter().map(|row| linear.along(row)).collect();
         let observed: Vec<Vec<f64>> = self.observed.iter().map(|of| self.observed_row(of, &forces, level)).collect();
         let places: Vec<Vec<f64>> = self.laws.iter().map(|at| self.observed_row(&at.place, &forces, level)).collect();
         let (watched, forces_along, observed) = (along(&guards), along(&forces), along(&observed));
-        let laws = places.iter().enumerate().map(|(l, place)| self.law_series(l, place, &matrix, step));
+        let laws = places.iter().enumerate().map(|(l, place)| self.law_series(l, place, &linear));
         let (closed, laws) = (closed.to_vec(), laws.collect());
-        Ok(Flow { closed, step, matrix, over_step, guards, watched, forces, free, gaps, forces_along, observed, laws })
+        Ok(Flow { closed, linear, guards, watched, forces, free, gaps, forces_along, observed, laws })
     }
 
     /// An observed displacement as a row acting on `w`.
@@ -190,50 +184,26 @@ impl ForcedStructure {
     }
 }
 
-/// `e^{t 𝒜}` of the leading n × n part.
-fn scaled_exponential(matrix: &Mat<f64>, n: usize, t: f64) -> Result<Mat<f64>, TimestepError> {
-    matrix_exponential(&Mat::from_fn(n, n, |i, j| t * matrix[(i, j)]))
-        .map_err(TimestepError::during("exponential of a structure with some contacts closed"))
+impl Deref for Flow {
+    type Target = LinearFlow;
+
+    fn deref(&self) -> &LinearFlow {
+        &self.linear
+    }
 }
 
 impl Flow {
-    /// `w` after a time within a step, by its power series.
-    pub fn after(&self, w: &[f64], t: f64) -> Vec<f64> {
-        if t == self.step {
-            return product(&self.over_step, w);
-        }
-        let (mut sum, mut term) = (w.to_vec(), w.to_vec());
-        for k in 1..TERMS {
-            term = product(&self.matrix, &term);
-            term.iter_mut().for_each(|v| *v *= t / k as f64);
-            sum.iter_mut().zip(&term).for_each(|(sum, v)| *sum += v);
-            if term.iter().zip(&sum).all(|(v, sum)| v.abs() <= 1e-18 * sum.abs()) {
-                break;
-            }
-        }
-        sum
-    }
-
-    /// The transition of the state (s × s) over a time within a step.
-    pub fn transition(&self, states: usize, t: f64) -> Result<Mat<f64>, TimestepError> {
-        self.transition_of(&(0..states).collect::<Vec<usize>>(), t)
-    }
-
-    /// That of entries of `w` which only these entries drive.
+    /// The transition of entries of `w` which only these entries drive over a time within a step.
     pub fn transition_of(&self, entries: &[usize], t: f64) -> Result<Mat<f64>, TimestepError> {
-        let n = entries.len();
-        let block = |of: &Mat<f64>| Mat::from_fn(n, n, |i, j| of[(entries[i], entries[j])]);
-        if t == self.step {
-            return Ok(block(&self.over_step));
-        }
-        scaled_exponential(&block(&self.matrix), n, t)
+        let failed = TimestepError::during("exponential of a structure with some contacts closed");
+        self.linear.transition_of(entries, t).map_err(failed)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::phase::dot;
+    use crate::phase::{dot, product};
     use num_complex::Complex64;
 
     /// A mode of 2 rad/s with two contacts, each stop with a spring and a damper, under loads of two harmonics; the
@@ -274,7 +244,7 @@ mod tests {
             let found = flow.after(&w, t);
             assert_eq!(found.len(), expected.len());
             found.iter().zip(expected).for_each(|(a, b)| assert!((a - b).abs() < 1e-13, "{t}: {found:?}"));
-            let transition = flow.transition(4, t).unwrap();
+            let transition = flow.transition_of(&[0, 1, 2, 3], t).unwrap();
             for j in 0..4 {
                 let unit: Vec<f64> = (0..w.len()).map(|i| f64::from(u8::from(i == j))).collect();
                 let column = flow.after(&unit, t);

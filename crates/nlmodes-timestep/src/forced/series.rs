@@ -1,6 +1,6 @@
 use nlmodes_linalg::Mat;
 
-use crate::first_root::{Approximation, Guard, root};
+use crate::first_root::{Approximation, Guard, first_negative, root};
 use crate::phase::{dot, transposed_product};
 
 /// Order of the power series of a step: with `‖𝒜‖ h ≤ 2` the remainder is below `2²⁷ / 27! = 2e-20` of the state.
@@ -11,7 +11,7 @@ const LEFT: f64 = 2e-20;
 
 /// A row along the flow of a step of length `h`, `r e^{𝒜 h τ} w = Σ_k (r_k w) τ^k` with `r_k = r (h 𝒜)^k / k!`.
 #[derive(Debug, Clone)]
-pub(super) struct Series {
+pub struct FlowSeries {
     rows: Vec<Vec<f64>>,
     /// The integral over a whole step.
     whole: Vec<f64>,
@@ -25,8 +25,8 @@ pub(super) struct Polynomial {
     pub size: f64,
 }
 
-impl Series {
-    pub fn new(row: &[f64], matrix: &Mat<f64>, step: f64) -> Self {
+impl FlowSeries {
+    pub(super) fn new(row: &[f64], matrix: &Mat<f64>, step: f64) -> Self {
         let mut rows = vec![row.to_vec()];
         for k in 1..=ORDER {
             let mut next = transposed_product(matrix, &rows[k - 1]);
@@ -39,38 +39,66 @@ impl Series {
     }
 
     /// The polynomial from the state `w` on.
-    pub fn from(&self, w: &[f64]) -> Polynomial {
+    pub(super) fn from(&self, w: &[f64]) -> Polynomial {
         let mut a = [0.0; ORDER + 1];
         self.rows.iter().zip(&mut a).for_each(|(row, a)| *a = dot(row, w));
         Polynomial { a, size: size(&self.rows[0], w) }
     }
 
     /// The polynomial from a `w` on of which one entry is one and all others are zero.
-    pub fn column(&self, entry: usize) -> Polynomial {
+    pub(super) fn column(&self, entry: usize) -> Polynomial {
         let mut a = [0.0; ORDER + 1];
         self.rows.iter().zip(&mut a).for_each(|(row, a)| *a = row[entry]);
         Polynomial { a, size: a[0].abs() }
     }
 
+    /// Where the row, which is zero or positive at `w`, first falls below zero on the way to `next`, `part` of a step
+    /// later.
+    #[must_use]
+    pub fn first_fall(&self, w: &[f64], next: &[f64], part: f64) -> Option<f64> {
+        let (before, after) = (self.leading(w), self.leading(next));
+        let guard = may_fall(&before, &after).then(|| self.guard(w))?;
+        first_negative(&[guard], part).map(|(when, _)| when)
+    }
+
+    /// The polynomial from `w` on of a row that is not negative there: after its contact instant it is zero to
+    /// rounding.
+    pub(super) fn guard(&self, w: &[f64]) -> Polynomial {
+        let mut guard = self.from(w);
+        guard.a[0] = guard.a[0].max(0.0);
+        guard
+    }
+
     /// The row.
-    pub fn row(&self) -> &[f64] {
+    pub(super) fn row(&self) -> &[f64] {
         &self.rows[0]
     }
 
     /// Its first four coefficients.
-    pub fn leading(&self, w: &[f64]) -> [f64; 4] {
+    pub(super) fn leading(&self, w: &[f64]) -> [f64; 4] {
         [0, 1, 2, 3].map(|k| dot(&self.rows[k], w))
     }
 
     /// `∫ dτ` over the whole step from the state `w` on.
-    pub fn integral(&self, w: &[f64]) -> f64 {
+    pub(super) fn integral(&self, w: &[f64]) -> f64 {
         dot(&self.whole, w)
     }
 
     /// Value and slope over a step at `w`.
-    pub fn value_and_slope(&self, w: &[f64]) -> [f64; 2] {
+    pub(super) fn value_and_slope(&self, w: &[f64]) -> [f64; 2] {
         [dot(&self.rows[0], w), dot(&self.rows[1], w)]
     }
+}
+
+/// Whether a row can fall below zero between two instants within a step, with these leading coefficients there.
+pub(super) fn may_fall(before: &[f64; 4], after: &[f64; 4]) -> bool {
+    before[0].min(after[0]) <= reach(before).max(reach(after))
+}
+
+/// By how much a row may change within half a step: a step resolves all modes, each of which turns by no more than one
+/// radian in half of it.
+pub(super) fn reach(leading: &[f64; 4]) -> f64 {
+    leading[1].abs() + leading[2].abs() + leading[3].abs()
 }
 
 /// Scale of the rounding errors of a row at `w`.
@@ -156,12 +184,55 @@ impl Guard for Polynomial {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::first_root::first_negative;
+
+    /// Of `Π (r_i − τ)`.
+    fn product(roots: &[f64]) -> Polynomial {
+        let mut a = [0.0; ORDER + 1];
+        a[0] = 1.0;
+        for root in roots {
+            (1..=ORDER).rev().for_each(|k| a[k] = root * a[k] - a[k - 1]);
+            a[0] *= root;
+        }
+        Polynomial { a, size: a[0].abs() }
+    }
+
+    #[test]
+    fn the_smallest_root_is_found() {
+        let mut seed = 1_u64;
+        let mut random = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            0.05 + 2.95 * (seed >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        for count in (1..7).cycle().take(600) {
+            let mut roots: Vec<f64> = (0..count).map(|_| random()).collect();
+            roots.sort_by(f64::total_cmp);
+            if roots.windows(2).any(|pair| pair[1] - pair[0] < 0.02) {
+                continue;
+            }
+            match first_negative(&[product(&roots)], 1.0) {
+                Some((root, _)) => assert!((root - roots[0]).abs() < 1e-8, "{root} {roots:?}"),
+                None => assert!(roots[0] >= 1.0 - 1e-8, "{roots:?}"),
+            }
+        }
+    }
+
+    #[test]
+    fn a_short_dip_is_seen_and_a_touch_is_not() {
+        // (τ − 1/2)² ∓ 1e-10
+        let of = |a: [f64; 3]| {
+            let mut all = [0.0; ORDER + 1];
+            all[..3].copy_from_slice(&a);
+            first_negative(&[Polynomial { a: all, size: a[0] }], 1.0).map(|(root, _)| root)
+        };
+        assert!((of([0.25 - 1e-10, -1.0, 1.0]).unwrap() - (0.5 - 1e-5)).abs() < 1e-10);
+        assert_eq!(of([0.25 + 1e-10, -1.0, 1.0]), None);
+        assert_eq!(of([0.0; 3]), None);
+    }
 
     #[test]
     fn a_cosine_along_a_turn_has_its_values_roots_extremes_and_integral() {
         let turn = Mat::from_fn(2, 2, |i, j| [[0.0, 2.0], [-2.0, 0.0]][i][j]);
-        let of = Series::new(&[1.0, 0.0], &turn, 1.0).from(&[0.6_f64.cos(), -0.6_f64.sin()]);
+        let of = FlowSeries::new(&[1.0, 0.0], &turn, 1.0).from(&[0.6_f64.cos(), -0.6_f64.sin()]);
         for τ in [0.0_f64, 0.2, 0.7, 1.0] {
             let (sin, cos) = (0.6 + 2.0 * τ).sin_cos();
             let found = of.evaluate(τ);
@@ -173,7 +244,7 @@ mod tests {
         assert!(first(quarter - 1e-9).is_none());
         assert!((of.integral(0.8) - 0.5 * (2.2_f64.sin() - 0.6_f64.sin())).abs() < 1e-15);
         assert_eq!(of.highest(1.0), of.a[0]);
-        let rising = Series::new(&[1.0, 0.0], &turn, 1.0).from(&[(-0.6_f64).cos(), 0.6_f64.sin()]);
+        let rising = FlowSeries::new(&[1.0, 0.0], &turn, 1.0).from(&[(-0.6_f64).cos(), 0.6_f64.sin()]);
         assert!((rising.highest(1.0) - 1.0).abs() < 1e-15);
     }
 }

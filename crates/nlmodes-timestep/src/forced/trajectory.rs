@@ -7,17 +7,14 @@ use nlmodes_linalg::Mat;
 use super::ForcedStructure;
 use super::flow::Flow;
 use super::laws::{LawSteps, LawTransitions};
-use super::series::size;
+use super::series::{may_fall, reach, size};
 use crate::TimestepError;
+use crate::dynamics::PATIENCE;
 use crate::first_root::first_negative;
 use crate::phase::dot;
 
 /// Maximum number of steps of a trajectory that is kept.
 const MAX_PIECES: usize = 2_000_000;
-
-/// Number of switchings without progress, per contact, after which the contact problem just ahead decides, and after
-/// which the integration fails.
-const PATIENCE: [usize; 2] = [2, 8];
 
 /// Length over a step up to which two instants are one.
 const SAME: f64 = 1e-12;
@@ -225,9 +222,10 @@ impl ForcedStructure {
             let mut laws = LawTransitions::new(self);
             return pieces.iter().try_fold(unit, |before, piece| Ok(laws.over(piece)? * before));
         }
+        let all: Vec<usize> = (0..states).collect();
         let mut each = pieces.chunk_by(|a, b| Arc::ptr_eq(&a.flow, &b.flow)).map(|pieces| {
             let [first, ..] = pieces else { return Ok(Mat::identity(states, states)) };
-            first.flow.transition(states, pieces.iter().map(|piece| piece.length).sum())
+            first.flow.transition_of(&all, pieces.iter().map(|piece| piece.length).sum())
         });
         each.try_fold(unit, |before, step| Ok(step? * before))
     }
@@ -243,19 +241,7 @@ fn wrong(flow: &Flow, running: &Running) -> Option<usize> {
 /// Time and index of the first contact change within a part of a step, at whose end guards begin with `after`.
 fn first_switch(flow: &Flow, running: &Running, after: &[[f64; 4]], length: f64) -> Option<(f64, usize)> {
     let near = running.ahead.iter().zip(after).enumerate();
-    let near = near.filter(|(_, (before, after))| before[0].min(after[0]) <= reach(before).max(reach(after)));
-    let guard = |(i, (before, _)): (usize, (&[f64; 4], _))| {
-        let mut guard = flow.watched[i].from(&running.w);
-        // A guard is zero to rounding after its contact instant.
-        guard.a[0] += (-before[0]).max(0.0);
-        (i, guard)
-    };
-    let (contacts, guards): (Vec<usize>, Vec<_>) = near.map(guard).unzip();
+    let near = near.filter(|(_, (before, after))| may_fall(before, after));
+    let (contacts, guards): (Vec<usize>, Vec<_>) = near.map(|(i, _)| (i, flow.watched[i].guard(&running.w))).unzip();
     first_negative(&guards, length / flow.step).map(|(when, k)| (when * flow.step, contacts[k]))
-}
-
-/// By how much a guard may change within half a step: a step resolves all modes, each of which turns by no more than
-/// one radian in half of it.
-fn reach(leading: &[f64; 4]) -> f64 {
-    leading[1].abs() + leading[2].abs() + leading[3].abs()
 }

@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 
 use super::flow::Flow;
 use super::input::fits;
-use super::series::{ORDER, Polynomial, Series};
+use super::series::{FlowSeries, ORDER, Polynomial};
 use super::trajectory::{Piece, Propagator, Running};
 use super::{ForcedStructure, Signal};
 use crate::TimestepError;
@@ -125,7 +125,7 @@ impl Stretch<'_> {
         }
     }
 
-    fn roughly(&self, of: &Series) -> [f64; 2] {
+    fn roughly(&self, of: &FlowSeries) -> [f64; 2] {
         let [value, slope] = of.value_and_slope(&self.piece.w);
         [value, slope * self.piece.length / self.flow().step]
     }

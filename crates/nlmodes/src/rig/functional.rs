@@ -1,4 +1,4 @@
-use crate::rig::matrix::{Matrix, dot};
+use nlmodes_linalg::{Mat, column};
 
 /// `y = row · x + constant + input · (u, u̇, ü)`: an output of a linear system with state `x` and input `u`.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,8 +27,13 @@ impl Functional {
 
     /// Time derivative along `ẋ = A x + c + b u`. At most two derivatives of the input are kept, as required for an
     /// acceleration with direct feedthrough of the drive.
-    pub(crate) fn derivative(&self, a: &Matrix, c: &[f64], b: &[f64]) -> Self {
+    pub(crate) fn derivative(&self, a: &Mat<f64>, c: &[f64], b: &[f64]) -> Self {
         let [now, first, _] = self.input;
-        Self { row: a.transposed_times(&self.row), constant: dot(&self.row, c), input: [dot(&self.row, b), now, first] }
+        let row = (0..a.ncols()).map(|j| dot(column(a, j), &self.row)).collect();
+        Self { row, constant: dot(&self.row, c), input: [dot(&self.row, b), now, first] }
     }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -1,5 +1,6 @@
+use nlmodes_linalg::Mat;
+
 use crate::rig::functional::Functional;
-use crate::rig::matrix::Matrix;
 use crate::rig::{DrivePoint, Exciter, LinearStructure, RigError, Stage, Stop};
 
 /// `ẋ = A x + c + b u` with the stop open or closed.
@@ -9,7 +10,7 @@ use crate::rig::{DrivePoint, Exciter, LinearStructure, RigError, Stage, Stop};
 /// possible.
 #[derive(Debug, Clone)]
 pub(crate) struct Linear {
-    pub(crate) a: Matrix,
+    pub(crate) a: Mat<f64>,
     pub(crate) c: Vec<f64>,
 }
 
@@ -37,7 +38,7 @@ impl StateSpace {
             modes,
             scale,
             exciter,
-            systems: [Linear { a: Matrix::zeros(n), c: vec![0.0; n] }, Linear { a: Matrix::zeros(n), c: vec![0.0; n] }],
+            systems: [Linear { a: Mat::zeros(n, n), c: vec![0.0; n] }, Linear { a: Mat::zeros(n, n), c: vec![0.0; n] }],
             b: vec![0.0; n],
             penetration: None,
             stop: stop.cloned(),
@@ -75,11 +76,11 @@ impl StateSpace {
             self.penetration.iter_mut().for_each(|p| p.row.extend([0.0; 2]));
             for (system, read) in self.systems.iter_mut().zip(&mut read) {
                 read.row.extend([0.0; 2]);
-                system.a = system.a.enlarged(2);
-                system.a.add(n, n + 1, w);
-                system.a.add(n + 1, n, -w);
-                system.a.add(n + 1, n + 1, -2.0 * stage.damping_ratio * w);
-                read.row.iter().enumerate().for_each(|(j, value)| system.a.add(n + 1, j, w * value / size));
+                system.a.resize_with(n + 2, n + 2, |_, _| 0.0);
+                system.a[(n, n + 1)] += w;
+                system.a[(n + 1, n)] -= w;
+                system.a[(n + 1, n + 1)] -= 2.0 * stage.damping_ratio * w;
+                read.row.iter().enumerate().for_each(|(j, value)| system.a[(n + 1, j)] += w * value / size);
                 system.c.extend([0.0, w * read.constant / size]);
             }
             let [open, closed] = [read[0].input[0], read[1].input[0]];
@@ -119,18 +120,18 @@ impl StateSpace {
     }
 
     /// Structure alone.
-    fn free(&self, structure: &LinearStructure) -> Matrix {
-        let mut a = Matrix::zeros(self.size());
+    fn free(&self, structure: &LinearStructure) -> Mat<f64> {
+        let mut a = Mat::zeros(self.size(), self.size());
         for (k, (ω, ζ)) in structure.omega.iter().zip(&structure.damping_ratios).enumerate() {
-            a.add(k, self.modes + k, self.scale);
-            a.add(self.modes + k, k, -ω * ω / self.scale);
-            a.add(self.modes + k, self.modes + k, -2.0 * ζ * ω);
+            a[(k, self.modes + k)] += self.scale;
+            a[(self.modes + k, k)] -= ω * ω / self.scale;
+            a[(self.modes + k, self.modes + k)] -= 2.0 * ζ * ω;
         }
         a
     }
 
     /// Adds the force at the drive point, and the equations of the shaker.
-    fn excite(&mut self, a: &mut Matrix) {
+    fn excite(&mut self, a: &mut Mat<f64>) {
         let force = self.excitation_force();
         for (k, φ) in self.drive_point.shape.clone().into_iter().enumerate() {
             self.add_row(a, self.modes + k, φ, &force);
@@ -138,20 +139,20 @@ impl StateSpace {
         let Exciter::Shaker(shaker) = self.exciter else { return };
         let (x, v, i) = (2 * self.modes, 2 * self.modes + 1, 2 * self.modes + 2);
         let (root_mass, root_inductance) = (shaker.armature_mass.sqrt(), shaker.inductance.sqrt());
-        a.add(x, v, self.scale);
-        a.add(v, x, -shaker.suspension_stiffness / (shaker.armature_mass * self.scale));
-        a.add(v, v, -shaker.suspension_damping / shaker.armature_mass);
+        a[(x, v)] += self.scale;
+        a[(v, x)] -= shaker.suspension_stiffness / (shaker.armature_mass * self.scale);
+        a[(v, v)] -= shaker.suspension_damping / shaker.armature_mass;
         self.add_row(a, v, -1.0 / root_mass, &force);
         let coupling = shaker.force_constant / (root_mass * root_inductance);
-        a.add(v, i, coupling);
-        a.add(i, v, -coupling);
-        a.add(i, i, -shaker.resistance / shaker.inductance);
+        a[(v, i)] += coupling;
+        a[(i, v)] -= coupling;
+        a[(i, i)] -= shaker.resistance / shaker.inductance;
         self.b[i] = 1.0 / root_inductance;
     }
 
-    fn add_row(&mut self, a: &mut Matrix, i: usize, factor: f64, functional: &Functional) {
+    fn add_row(&mut self, a: &mut Mat<f64>, i: usize, factor: f64, functional: &Functional) {
         for (j, value) in functional.row.iter().enumerate() {
-            a.add(i, j, factor * value);
+            a[(i, j)] += factor * value;
         }
         self.b[i] += factor * functional.input[0];
     }
@@ -164,7 +165,7 @@ impl StateSpace {
         for (k, φ) in stop.shape.iter().enumerate() {
             let factor = -stop.side.sign() * φ;
             for (j, value) in λ.row.iter().enumerate() {
-                closed.a.add(self.modes + k, j, factor * value);
+                closed.a[(self.modes + k, j)] += factor * value;
             }
             closed.c[self.modes + k] += factor * λ.constant;
         }
