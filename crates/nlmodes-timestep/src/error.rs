@@ -105,16 +105,6 @@ pub enum TimestepError {
         /// Newton iterations.
         iterations: usize,
     },
-    /// Too few samples per period for the harmonics.
-    #[error("{harmonics} harmonics need at least {needed} samples a period, not {samples}")]
-    Samples {
-        /// Requested harmonics.
-        harmonics: usize,
-        /// Requested samples.
-        samples: usize,
-        /// Minimum number of samples.
-        needed: usize,
-    },
     /// The structure or its modes.
     #[error(transparent)]
     Model(#[from] ModelError),

@@ -79,7 +79,7 @@ fn the_mode_of_a_bouncing_body_is_found_by_shooting() {
         let (x, direction) = shooting.start();
         let bounds = vec![Bound { coordinate: shooting.dim(), min: -1.0, max: 1.05_f64.ln() }];
         let method = Continuation { bounds, max_points: 300, ..Continuation::default() };
-        let branch = method.run(&mut shooting, &x, 0.0, &direction, |_| ControlFlow::Continue(())).unwrap();
+        let branch = method.run(&mut *shooting, &x, 0.0, &direction, |_| ControlFlow::Continue(())).unwrap();
         let last = branch.points.last().unwrap();
         let motion = shooting.motion(&last.x).unwrap();
         let closed: f64 = motion.trajectory.closed_intervals().iter().map(|of| of.to - of.from).sum();

@@ -8,9 +8,7 @@ use nlmodes_continuation::{Linearization, ParametricSystem};
 use nlmodes_fem::{Direction, MassMatrix, Material, Mesh, Rod, Stop, Support};
 use nlmodes_modal::{HarmonicCoefficients, shifted};
 use nlmodes_model::Side;
-use nlmodes_timestep::{
-    ContactDynamics, GalerkinReduction, GlobalContactProblem, Shooting, ShootingScales, TimestepError, Verification,
-};
+use nlmodes_timestep::{ContactDynamics, GalerkinReduction, Shooting, ShootingScales, TimestepError, Verification};
 use num_complex::Complex64;
 use support::{ClosedForm, OMEGA_CONTACT, OMEGA_FREE, massless, rod_with, settle, unit_rod};
 
@@ -155,14 +153,6 @@ fn a_motion_near_a_guess_has_the_energy_of_the_parameter() {
     assert!((motion.kinetic_energy / shooting.energy(0.04) - 1.0).abs() < 1e-7, "{}", motion.kinetic_energy);
     let (settled, _) = settle(&mut shooting, guess, 0.04);
     assert!((motion.omega / shooting.omega(&settled) - 1.0).abs() < 1e-8);
-}
-
-#[test]
-fn the_global_problem_needs_two_samples_a_harmonic_and_one_more() {
-    let model = massless(&unit_rod(3));
-    GlobalContactProblem::new(&model, 1.0, 4, 9).unwrap();
-    let error = GlobalContactProblem::new(&model, 1.0, 4, 8).unwrap_err();
-    assert!(matches!(error, TimestepError::Samples { harmonics: 4, samples: 8, needed: 9 }), "{error}");
 }
 
 #[test]

@@ -5,6 +5,7 @@ mod against_ms_hbm;
 mod bouncing;
 mod contact_figures;
 mod forced;
+mod global_problem;
 mod invariants;
 mod laws;
 mod mode_shooting;

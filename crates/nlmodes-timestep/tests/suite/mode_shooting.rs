@@ -38,7 +38,7 @@ fn mode(model: MasslessContactModel, modes: usize, ratio: f64) -> (ModeShooting,
     let (x, direction) = shooting.start();
     let bounds = vec![Bound { coordinate: shooting.dim(), min: -1.0, max: ratio.ln() }];
     let method = Continuation { bounds, max_points: 300, ..Continuation::default() };
-    let branch = method.run(&mut shooting, &x, 0.0, &direction, |_| ControlFlow::Continue(())).unwrap();
+    let branch = method.run(&mut *shooting, &x, 0.0, &direction, |_| ControlFlow::Continue(())).unwrap();
     let last = branch.points.last().unwrap();
     assert!((last.p - ratio.ln()).abs() < 1e-12, "{:?}", branch.stop);
     (shooting, last.x.clone(), last.p)
@@ -182,11 +182,11 @@ fn the_peak_is_the_largest_displacement_of_the_first_contact_toward_its_stop() {
         let model = massless(&rod_with(6, &[stop(1.0, side, gap).on_spring(4.0), stop(0.5, Side::Positive, 0.8)]));
         let (mut shooting, x, _) = mode(model, 6, 1.3);
         let point = shooting.modal_point(&x, 0.0).unwrap();
-        let history = shooting.time_history(&x, 0, 4000, "").unwrap();
+        let history = shooting.equidistant_histories(&x, 4000, "").unwrap().swap_remove(0);
         let largest = history.displacement.iter().map(|q| side.sign() * q).fold(f64::NEG_INFINITY, f64::max);
         assert_eq!(history.force.iter().any(|force| *force > 0.0), touched);
         assert_eq!(point.contacts[0].touches > 0, touched);
-        assert_eq!((shooting.n_contacts(), point.contacts.len()), (2, 2));
+        assert_eq!((shooting.structure().full().contacts().len(), point.contacts.len()), (2, 2));
         let mut faster = x.clone();
         faster[shooting.frequency_index()] *= 1.5;
         assert!((shooting.omega(&faster) / shooting.omega(&x) - 1.5).abs() < 1e-15);
@@ -208,7 +208,7 @@ fn histories_of_contacts_are_the_motion_of_their_nodes() {
         let exact = shooting.time_histories(&x, 128, "").unwrap();
         let mut touched = 0;
         for (i, dof) in dofs.into_iter().enumerate() {
-            let even = shooting.time_history(&x, i, 64, "").unwrap();
+            let even = shooting.equidistant_histories(&x, 64, "").unwrap().swap_remove(i);
             for history in [&even, &exact[i]] {
                 assert!((history.stop - [side.sign(), 0.8][i]).abs() < 1e-15);
                 for (j, &t) in history.time.iter().enumerate() {

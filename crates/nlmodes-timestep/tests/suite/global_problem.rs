@@ -3,8 +3,6 @@ use std::f64::consts::TAU;
 use nlmodes_linalg::{DenseLu, Mat};
 use nlmodes_model::MasslessContactModel;
 
-use crate::TimestepError;
-
 /// The contact forces of all samples of a period as one linear complementarity problem (end of Section 2.2).
 ///
 /// ```text
@@ -16,37 +14,19 @@ use crate::TimestepError;
 /// with `T_n = K_NN⁻¹ K_NL (K_LL − n²ω² M_LL)⁻¹ K_LN`, `c_0 = 1` and `c_n = 2`. Its solutions are those of the sampled
 /// method at the frequency ω. It has `N_t` times the number of contacts as unknowns and is not positive definite, so it
 /// is used to check solutions of small systems.
-#[derive(Debug, Clone)]
 pub struct GlobalContactProblem {
     /// `𝒜`, m/N; sample after sample, c × N_t rows and columns.
-    pub matrix: Mat<f64>,
+    matrix: Mat<f64>,
     /// Gaps at rest, m, repeated for each sample.
-    pub gaps: Vec<f64>,
+    gaps: Vec<f64>,
 }
 
 impl GlobalContactProblem {
     /// Assembles it from dense factorisations of the dynamic stiffness of each harmonic.
-    ///
-    /// # Errors
-    /// [`TimestepError::Samples`]; [`TimestepError::NotPositive`]; [`TimestepError::Linalg`] if a harmonic coincides
-    /// with a fixed-interface or free-interface eigenfrequency.
-    pub fn new(
-        model: &MasslessContactModel,
-        omega: f64,
-        harmonics: usize,
-        samples: usize,
-    ) -> Result<Self, TimestepError> {
-        let needed = 2 * harmonics + 1;
-        if samples < needed {
-            return Err(TimestepError::Samples { harmonics, samples, needed });
-        }
-        if !(omega.is_finite() && omega > 0.0) {
-            return Err(TimestepError::NotPositive { what: "frequency (rad/s)", value: omega });
-        }
-        let k_nn =
-            DenseLu::factor(model.k_nn()).map_err(TimestepError::during("stiffness K_NN of the contact nodes"))?;
-        let transfers: Vec<Mat<f64>> =
-            (0..=harmonics).map(|n| transfer(model, &k_nn, n as f64 * omega)).collect::<Result<_, _>>()?;
+    pub fn new(model: &MasslessContactModel, omega: f64, harmonics: usize, samples: usize) -> Self {
+        assert!(samples > 2 * harmonics, "two samples a harmonic and one more");
+        let k_nn = DenseLu::factor(model.k_nn()).unwrap();
+        let transfers: Vec<Mat<f64>> = (0..=harmonics).map(|n| transfer(model, &k_nn, n as f64 * omega)).collect();
         let n = model.k_nn().nrows();
         let blocks: Vec<Mat<f64>> = (0..samples).map(|shift| block(&transfers, shift, samples)).collect();
         let system = Mat::from_fn(n * samples, n * samples, |row, column| {
@@ -54,7 +34,7 @@ impl GlobalContactProblem {
             let own = if row == column { 1.0 } else { 0.0 };
             own - blocks[(j + samples - l) % samples][(row % n, column % n)]
         });
-        let lu = DenseLu::factor(&system).map_err(TimestepError::during("periodic motion of the linear structure"))?;
+        let lu = DenseLu::factor(&system).unwrap();
         let c = model.contacts().len();
         let compliance = k_nn.solve_columns(model.w());
         let load = Mat::from_fn(n * samples, c * samples, |row, column| {
@@ -68,40 +48,31 @@ impl GlobalContactProblem {
             own + (0..n).map(|d| w[(d, i)] * response[(j * n + d, column)]).sum::<f64>()
         });
         let gaps = (0..samples).flat_map(|_| model.contacts().iter().map(|c| c.gap)).collect();
-        Ok(Self { matrix, gaps })
+        Self { matrix, gaps }
     }
 
     /// Gaps `𝒜 λ + g₀` of the forces `lambda` (c × N_t, sample after sample), m.
-    ///
-    /// # Errors
-    /// [`TimestepError::Dimension`].
-    pub fn gaps_of(&self, lambda: &[f64]) -> Result<Vec<f64>, TimestepError> {
-        let (expected, found) = (self.gaps.len(), lambda.len());
-        if expected != found {
-            return Err(TimestepError::Dimension { what: "contact forces of all samples", expected, found });
-        }
+    fn gaps_of(&self, lambda: &[f64]) -> Vec<f64> {
+        assert_eq!(lambda.len(), self.gaps.len());
         let row = |i: usize| lambda.iter().enumerate().map(|(j, λ)| self.matrix[(i, j)] * λ).sum::<f64>();
-        Ok((0..expected).map(|i| self.gaps[i] + row(i)).collect())
+        (0..self.gaps.len()).map(|i| self.gaps[i] + row(i)).collect()
     }
 
     /// Largest `|min(λ/λ_max, g/g_max)|` over all samples and contacts: zero for a solution.
-    ///
-    /// # Errors
-    /// [`TimestepError::Dimension`].
-    pub fn violation(&self, lambda: &[f64]) -> Result<f64, TimestepError> {
-        let gaps = self.gaps_of(lambda)?;
+    pub fn violation(&self, lambda: &[f64]) -> f64 {
+        let gaps = self.gaps_of(lambda);
         let largest = |x: &[f64]| x.iter().fold(f64::MIN_POSITIVE, |m, x| m.max(x.abs()));
         let (force, gap) = (largest(lambda), largest(&gaps));
-        Ok(lambda.iter().zip(&gaps).fold(0.0, |m: f64, (λ, g)| m.max((λ / force).min(g / gap).abs())))
+        lambda.iter().zip(&gaps).fold(0.0, |m: f64, (λ, g)| m.max((λ / force).min(g / gap).abs()))
     }
 }
 
 /// `T_n = K_NN⁻¹ K_NL (K_LL − ν² M_LL)⁻¹ K_LN`.
-fn transfer(model: &MasslessContactModel, k_nn: &DenseLu, nu: f64) -> Result<Mat<f64>, TimestepError> {
+fn transfer(model: &MasslessContactModel, k_nn: &DenseLu, nu: f64) -> Mat<f64> {
     let (k, m) = (model.k_ll().to_dense(), model.m_ll().to_dense());
     let stiffness = Mat::from_fn(k.nrows(), k.ncols(), |i, j| k[(i, j)] - nu * nu * m[(i, j)]);
-    let lu = DenseLu::factor(&stiffness).map_err(TimestepError::during("dynamic stiffness H_LL of a harmonic"))?;
-    Ok(k_nn.solve_columns(&(model.k_ln().transpose() * lu.solve_columns(model.k_ln()))))
+    let lu = DenseLu::factor(&stiffness).unwrap();
+    k_nn.solve_columns(&(model.k_ln().transpose() * lu.solve_columns(model.k_ln())))
 }
 
 /// `𝒯` between two samples that are `shift` apart.
