@@ -1,7 +1,7 @@
 use std::cell::OnceCell;
 use std::f64::consts::{PI, TAU};
 
-use nlmodes_contact::{LcpMatrix, LcpSolver, LcpWorkspace};
+use nlmodes_contact::{LcpMatrix, LcpSolver, LcpWorkspace, solver_by_name};
 use nlmodes_linalg::Mat;
 use nlmodes_modal::HarmonicBasis;
 use num_complex::Complex64;
@@ -138,6 +138,18 @@ impl ContactOperator {
             at: Vec::new(),
             most_bytes: MOST_BYTES,
         })
+    }
+
+    /// The contacts whose gaps without contact forces have these harmonics, up to this one, solved.
+    ///
+    /// # Errors
+    /// [`HbmError::Contact`] where a contact problem has no solution.
+    pub fn of_harmonics(matrix: &LcpMatrix, y: Vec<Vec<Complex64>>, n_harmonics: usize) -> Result<Self, HbmError> {
+        let series = RealSeries { symmetry: Symmetry::None, n_harmonics };
+        let solver = solver_by_name("active-set").map_err(HbmError::Compliance)?;
+        let mut solved = Self { y, ..Self::new(matrix, series, Switching::Exact, solver.as_ref())? };
+        solved.run()?;
+        Ok(solved)
     }
 
     /// Layout of the coefficients of one contact.

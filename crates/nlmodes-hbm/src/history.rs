@@ -39,24 +39,7 @@ impl ContactOperator {
         label: &str,
     ) -> Vec<TimeHistory> {
         let phases = (0..=samples).map(|j| TAU * j as f64 / samples as f64);
-        let mut histories: Vec<TimeHistory> =
-            contacts.iter().enumerate().map(|of| self.empty(of, omega, label)).collect();
-        let mut at = [0, 1, 2].map(|_| vec![0.0; self.y.len()]);
-        for tau in phases {
-            let set = self.sets.get(self.set_at(tau));
-            self.free_gaps_at(tau, &mut at);
-            for (i, (history, of)) in histories.iter_mut().zip(contacts).enumerate() {
-                let (gap, force) = state_in(set, i, of.stop_compliance(), &at);
-                history.push(tau / omega, along(of, omega, gap), force);
-            }
-        }
-        histories
-    }
-
-    /// A history of a contact without instants but those at which it closes and opens.
-    fn empty(&self, (contact, of): (usize, &DofContact), omega: f64, label: &str) -> TimeHistory {
-        let instants = self.instants(contact, omega);
-        TimeHistory { instants, ..TimeHistory::empty(label, of.side.sign() * of.gap) }
+        self.histories(contacts, omega, label, phases.map(|tau| (tau, self.set_at(tau))))
     }
 
     /// Motion and force of all contacts, exact at the instants of contact.
@@ -67,31 +50,48 @@ impl ContactOperator {
         samples: usize,
         label: &str,
     ) -> Vec<TimeHistory> {
-        let mut histories: Vec<TimeHistory> =
-            contacts.iter().enumerate().map(|of| self.empty(of, omega, label)).collect();
-        let mut at = [0, 1, 2].map(|_| vec![0.0; self.y.len()]);
-        let stretches: Vec<(f64, f64, usize)> = self.whole_period();
+        let segments: Vec<(f64, f64, usize)> = self.whole_period();
+        let ends: Vec<[f64; 2]> = segments.iter().map(|s| [s.0, s.1]).collect();
+        let instants = TimeHistory::exact_instants(&ends, samples).into_iter();
+        self.histories(contacts, omega, label, instants.map(|(tau, segment)| (tau, segments[segment].2)))
+    }
+
+    /// Motion and force of all contacts at these phases, each with the closed set that its segment has.
+    fn histories(
+        &self,
+        contacts: &[DofContact],
+        omega: f64,
+        label: &str,
+        phases: impl Iterator<Item = (f64, usize)>,
+    ) -> Vec<TimeHistory> {
+        let empty = |(contact, of): (usize, &DofContact)| TimeHistory {
+            instants: self.instants(contact, omega),
+            ..TimeHistory::empty(label, of.side.sign() * of.gap)
+        };
+        let mut histories: Vec<TimeHistory> = contacts.iter().enumerate().map(empty).collect();
+        let stops: Vec<f64> = contacts.iter().map(DofContact::stop_compliance).collect();
         let mut last = f64::NEG_INFINITY;
-        for (tau, stretch) in
-            TimeHistory::exact_instants(&stretches.iter().map(|s| [s.0, s.1]).collect::<Vec<_>>(), samples)
-        {
-            let set = self.sets.get(stretches[stretch].2);
-            self.free_gaps_at(tau, &mut at);
+        for (tau, set) in phases {
             last = (tau / omega).max(f64::next_up(last));
-            for (i, (history, of)) in histories.iter_mut().zip(contacts).enumerate() {
-                let (gap, force) = state_in(set, i, of.stop_compliance(), &at);
+            let states = self.states_in(self.sets.get(set), tau, &stops);
+            for ((history, of), (gap, force)) in histories.iter_mut().zip(contacts).zip(states) {
                 history.push(last, along(of, omega, gap), force);
             }
         }
         histories
     }
 
-    /// The gaps without contact forces at phase `tau` and their first two derivatives by it.
-    fn free_gaps_at(&self, tau: f64, at: &mut [Vec<f64>; 3]) {
-        for (i, y) in self.y.iter().enumerate() {
-            let value = evaluate(y, tau);
-            at.iter_mut().zip(value).for_each(|(at, value)| at[i] = value);
-        }
+    /// Of each contact its gap (m), with two derivatives by phase, and its force (N) at phase `tau`, as the formulas of
+    /// this interval give them: the gap of a closed contact is negative by what its stop, of this compliance (m/N),
+    /// yields.
+    pub fn states(&self, interval: &PatternInterval, tau: f64, stops: &[f64]) -> Vec<([f64; 3], f64)> {
+        self.states_in(self.sets.get(interval.set), tau, stops)
+    }
+
+    fn states_in(&self, set: &ClosedSet, tau: f64, stops: &[f64]) -> Vec<([f64; 3], f64)> {
+        let values: Vec<[f64; 3]> = self.y.iter().map(|y| evaluate(y, tau)).collect();
+        let y = [0, 1, 2].map(|order| values.iter().map(|value| value[order]).collect::<Vec<f64>>());
+        stops.iter().enumerate().map(|(i, compliance)| state_in(set, i, *compliance, &y)).collect()
     }
 
     /// The intervals of one contact pattern over the whole period: phases of their ends, closed set.
@@ -111,7 +111,7 @@ impl ContactOperator {
     }
 
     /// The spans of a period in which each contact is closed, with its force: a series for each contact pattern.
-    pub(crate) fn closed_spans(&self) -> Vec<Vec<ClosedSpan>> {
+    pub fn closed_spans(&self) -> Vec<Vec<ClosedSpan>> {
         let mut all = vec![Vec::new(); self.y.len()];
         for (from, to, set) in self.whole_period() {
             let set = self.sets.get(set);

@@ -80,7 +80,6 @@ mod ladder;
 mod mixed_shooting;
 mod periodic;
 mod series;
-mod shrinking_gaps;
 mod start;
 mod switching;
 mod trigonometric;
@@ -94,7 +93,8 @@ pub use ladder::{FEW_HARMONICS, harmonics_on_the_way};
 pub use mixed_shooting::{MAX_HARMONICS, MixedShooting, MixedShootingSettings, Scales};
 pub use periodic::{
     Bilinear, Exponential, ForceLaw, HertzStop, LawAtRest, LawForce, ModeStart, PlacedLaw, Polynomial, PowerDamper,
-    PowerSpring, TableLaw, about_rest_of_law, largest_value, law_length, laws_at_rest, modal_start, touch_spans,
+    PowerSpring, TableLaw, UNIT_ENERGY, about_rest_of_law, largest_value, law_length, laws_at_rest, modal_start,
+    touch_spans,
 };
 pub use periodic::{
     Changes, Closing, ClosingEquation, Column, ContactMotion, Coordinates, DampedStop, EnergyGiven, Floquet,
@@ -104,5 +104,4 @@ pub use periodic::{
     modal_grazing, modal_grazing_opened, modal_lift_off_opened,
 };
 pub use series::{RealSeries, Symmetry};
-pub use shrinking_gaps::ShrinkingGaps;
 pub use start::{about_rest, grazing, grazing_opened};

@@ -37,7 +37,7 @@ pub use damping::ModalDamping;
 pub use floquet::Floquet;
 pub use law::{
     Bilinear, Exponential, ForceLaw, HertzStop, LawAtRest, LawForce, ModeStart, PlacedLaw, Polynomial, PowerDamper,
-    PowerSpring, TableLaw, about_rest_of_law, law_length, laws_at_rest, modal_start, touch_spans,
+    PowerSpring, TableLaw, UNIT_ENERGY, about_rest_of_law, law_length, laws_at_rest, modal_start, touch_spans,
 };
 pub use load::{Load, LoadTerm};
 pub use motion::{ContactMotion, PeriodicMotion, largest_value};

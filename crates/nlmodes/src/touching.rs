@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use nlmodes_contact::LcpSolver;
 use nlmodes_continuation::{Bound, Continuation, ParametricSystem, RunLog, StepSettings, StopReason, Watch, Watched};
-use nlmodes_hbm::{FEW_HARMONICS, HbmError, PeriodicSystem, ShrinkingGaps, harmonics_on_the_way};
+use nlmodes_hbm::{FEW_HARMONICS, HbmError, PeriodicSystem, harmonics_on_the_way};
 use nlmodes_modal::EndReason;
 
 use crate::branches::homotopy::{self, Effort};
@@ -101,7 +101,7 @@ impl Closing<'_> {
     }
 
     /// The motion to which that before contacts that are set back leads as they are closed.
-    fn closed(
+    pub fn closed(
         &self,
         mut system: PeriodicSystem,
         x: &[f64],
@@ -109,7 +109,7 @@ impl Closing<'_> {
         log: &mut dyn RunLog,
     ) -> Result<Vec<f64>, NotClosed> {
         system.hold_phase(x);
-        let mut closing = ShrinkingGaps::new(system, opening)?;
+        let mut closing = system.beside_opening(opening)?;
         let dim = closing.dim();
         let bounds = vec![Bound { coordinate: dim, min: 0.0, max: 1.5 }];
         let method = Continuation { step: self.step.clone(), bounds, max_points: MOST, ..Continuation::default() };

@@ -200,33 +200,41 @@ impl PeriodicSystem {
     /// A response over the level at this level, the new parameter being damping beside its own, of `c` (1/s) times the
     /// mass: with much of it there is one motion alone, and the way from there to none ends at the level in a motion
     /// with its own damping, however many others the structure has.
-    pub fn over_damping(mut self, level: f64, c: f64) -> Self {
+    pub fn over_damping(self, level: f64, c: f64) -> Self {
+        let mut held = self.at_level(level);
+        held.closing.xi = Source::Parameter { scale: -c };
+        held
+    }
+
+    /// A response over the level at this level; a parameter is still to be given.
+    pub fn at_level(mut self, level: f64) -> Self {
         self.closing.level = Source::Fixed(level);
-        self.closing.xi = Source::Parameter { scale: -c };
         self
     }
 
-    /// A mode or a phase resonance at its parameter zero, the new parameter being how far gaps are opened, in units of
-    /// `opening` (m, c): the way to motions before contacts that touch at rest, from those before contacts that are
+    /// These equations at their own parameter zero with gaps that are opened by `opening` (m, c) times the square of
+    /// the new parameter: the way to motions before contacts that touch at rest, from those before contacts that are
     /// set back.
     ///
     /// ```text
-    /// R(x; g₀ + s o) = 0 ,   s from 1 to 0
+    /// R(x; g₀ + s² o) = 0 ,   E_av = E_ref ,   s from 1 to 0
     /// ```
     ///
     /// At a given energy a gap, made smaller, is an energy that grows at a given gap, without end: the solution with
-    /// the gap zero is where the backbone of any gap leads.
+    /// the gap zero is where the backbone of any gap leads. The square keeps stops that face each other apart where a
+    /// step passes zero. At `s = 1` the unknowns of the linear mode ([`Grazing::unknowns`](crate::Grazing::unknowns))
+    /// are a solution of a conservative mode; at `s = 0` a solution is one of the problem itself.
     ///
     /// # Errors
     /// [`HbmError::Size`] or [`HbmError::NotFinite`].
-    pub fn beside_opening(mut self, opening: Vec<f64>) -> Result<Self, HbmError> {
+    pub fn beside_opening(mut self, opening: &[f64]) -> Result<Self, HbmError> {
         let (expected, found) = (self.structure.n_contacts(), opening.len());
         if found != expected {
             return Err(HbmError::Size { what: "openings", expected, found });
         }
         let level = self.closing.level.at(&[], 0.0);
-        self.load = self.load.beside_opening(level, opening)?;
-        self.closing.level = Source::Parameter { scale: 1.0 };
+        self.load = self.load.beside_opening(level, opening.to_vec())?;
+        self.closing.level = Source::Square;
         let equations = self.closing.equations.into_iter();
         self.closing.equations = equations.map(|own| Box::new(AtZero(own)) as Box<dyn ClosingEquation>).collect();
         Ok(self)

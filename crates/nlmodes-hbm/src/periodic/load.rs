@@ -78,7 +78,7 @@ impl Load {
     ///
     /// # Errors
     /// [`HbmError::NotFinite`].
-    pub fn beside_opening(mut self, level: f64, opening: Vec<f64>) -> Result<Self, HbmError> {
+    pub(crate) fn beside_opening(mut self, level: f64, opening: Vec<f64>) -> Result<Self, HbmError> {
         if !opening.iter().chain([&level]).all(|v| v.is_finite()) {
             return Err(HbmError::NotFinite { what: "an opening of the gaps" });
         }

@@ -28,6 +28,8 @@ pub enum Source {
         /// Its unit.
         scale: f64,
     },
+    /// It is the square of the parameter of the branch.
+    Square,
     /// The parameter is its logarithm over this reference.
     LogParameter {
         /// The value at the parameter zero.
@@ -51,6 +53,7 @@ impl Source {
             Self::Fixed(value) => value,
             Self::Unknown { index, scale } => scale * unknowns[index],
             Self::Parameter { scale } => scale * p,
+            Self::Square => p * p,
             Self::LogParameter { reference } => reference * p.exp(),
         }
     }
@@ -61,19 +64,8 @@ impl Source {
             Self::Fixed(_) => None,
             Self::Unknown { index, scale } => Some((Column::Unknown(index), scale)),
             Self::Parameter { scale } => Some((Column::Parameter, scale)),
+            Self::Square => Some((Column::Parameter, 2.0 * p)),
             Self::LogParameter { reference } => Some((Column::Parameter, reference * p.exp())),
-        }
-    }
-
-    /// The number at which an unknown or the parameter gives this value; `None` for what is given or out of its reach.
-    pub fn inverse(&self, value: f64) -> Option<f64> {
-        match *self {
-            Self::Fixed(_) => None,
-            Self::Unknown { scale, .. } | Self::Parameter { scale } => Some(value / scale),
-            Self::LogParameter { reference } => {
-                let ratio = value / reference;
-                (ratio > 0.0).then(|| ratio.ln())
-            }
         }
     }
 }

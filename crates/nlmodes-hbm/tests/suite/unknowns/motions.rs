@@ -7,8 +7,8 @@ use crate::unknowns::{SYMMETRIES, support};
 use nlmodes_continuation::conformance::jacobian_defect;
 use nlmodes_continuation::{Bound, Continuation, Linearization, ParametricSystem};
 use nlmodes_hbm::{
-    Coordinates, MixedShooting, MixedShootingSettings, ModalDamping, PeriodicSystem, Scales, ShrinkingGaps, Switching,
-    Symmetry, grazing_opened, modal_grazing,
+    Coordinates, MixedShooting, MixedShootingSettings, ModalDamping, PeriodicSystem, Scales, Switching, Symmetry,
+    grazing_opened, modal_grazing,
 };
 use nlmodes_model::{Contact, Dof, DofKind, Side, StructuralModel};
 
@@ -170,12 +170,12 @@ fn the_way_to_contacts_that_touch_at_rest_is_smooth_and_begins_and_ends_as_it_is
             let mut at = Linearization::new(n);
             {
                 let own = MixedShooting::new(&structure, settings, start.scales(), solver().as_ref()).unwrap();
-                let mut way = ShrinkingGaps::new(own.into_system(), &start.opening).unwrap();
+                let mut way = own.into_system().beside_opening(&start.opening).unwrap();
                 for s in [0.9, 0.3] {
                     let defect = jacobian_defect(&mut way, &x, s, 1e-6).unwrap();
                     assert!(defect < 1e-6, "{symmetry:?} {s}: {defect:e}");
                 }
-                let begin = way.start(&start);
+                let begin = start.unknowns(&way);
                 way.accepted(&begin, 1.0);
                 problem.accepted(&begin, 0.0);
                 way.linearize(&begin, 1.0, &mut at).unwrap();

@@ -16,11 +16,19 @@ pub(super) fn as_gaps_close(
     (settings, solver): (&ResponseSettings, &dyn LcpSolver),
 ) -> Result<Vec<f64>, ResponseError> {
     let closing = Closing { step: &StepSettings::default(), solver, watch: &settings.watch };
+    let most = opening.iter().copied().fold(0.0, f64::max);
     closing.unknowns(system, x, opening, &mut settings.log.clone()).map_err(|failure| match failure {
-        NotClosed::Lost { left, why } => {
-            ResponseError::NoModeTouching { left: left * opening.iter().copied().fold(0.0, f64::max), why }
-        }
-        NotClosed::Ended => ResponseError::Stopped,
-        NotClosed::Problem(error) => error.into(),
+        NotClosed::Lost { left, why } => NotClosed::Lost { left: left * most, why }.into(),
+        failure => failure.into(),
     })
+}
+
+impl From<NotClosed> for ResponseError {
+    fn from(failure: NotClosed) -> Self {
+        match failure {
+            NotClosed::Lost { left, why } => Self::NoModeTouching { left, why },
+            NotClosed::Ended => Self::Stopped,
+            NotClosed::Problem(error) => error.into(),
+        }
+    }
 }
