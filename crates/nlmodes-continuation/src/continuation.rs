@@ -123,6 +123,23 @@ impl Continuation {
         Ok(Run::new(&settings, &mut system, &mut observe, corrector, &correction, log).finish(&correction))
     }
 
+    /// The point of a branch next to a guess `z = (x, p)`, corrected across `direction`, from which it is not followed.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run).
+    pub fn first_point<S: ParametricSystem>(
+        &self,
+        system: &mut S,
+        z: &[f64],
+        direction: &[f64],
+        log: &mut dyn RunLog,
+    ) -> Result<Option<BranchPoint>, ContinuationError<S::Error>> {
+        let alone = Self { max_points: 1, ..self.clone() };
+        let Some((p, x)) = z.split_last() else { return Ok(None) };
+        let branch = alone.run_with_log(system, x, *p, direction, log, |_| ControlFlow::Continue(()))?;
+        Ok(branch.points.into_iter().next())
+    }
+
     /// Checks the input, sizes unknowns and equations, and corrects the start.
     pub(crate) fn start<'s, S: ParametricSystem>(
         &self,

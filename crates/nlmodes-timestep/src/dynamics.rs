@@ -22,7 +22,7 @@ const MAX_SEGMENTS: usize = 100_000;
 
 /// Number of switchings without progress in time, per contact, after which the contact problem just ahead decides, and
 /// after which the integration fails.
-const PATIENCE: [usize; 2] = [2, 8];
+pub(crate) const PATIENCE: [usize; 2] = [2, 8];
 
 /// Angular frequency over the highest one up to which a mode strains nothing.
 pub(crate) const STRAINLESS: f64 = 1e-7;

@@ -1,6 +1,7 @@
 use nlmodes_contact::{LcpMatrix, balance, solver_by_name};
 use nlmodes_linalg::Mat;
 
+use crate::dynamics::STRAINLESS;
 use crate::phase::Coordinates;
 use crate::{ContactDynamics, ModalState, TimestepError};
 
@@ -36,7 +37,7 @@ impl ContactDynamics {
         let mode = nearest.map_or(0, |k| k + 1);
         let refused = |why| TimestepError::NoGrazing { mode, why };
         let highest = phase.omega.last().copied().unwrap_or(0.0);
-        let k = nearest.filter(|k| phase.omega[*k] > 1e-7 * highest);
+        let k = nearest.filter(|k| phase.omega[*k] > STRAINLESS * highest);
         let k = k.ok_or_else(|| refused("there is no such mode with a frequency"))?;
         let guards: Vec<(f64, f64)> = (0..closed.len()).map(|i| phase.guard_coefficients(i, k)).collect();
         let largest = guards.iter().fold(0.0_f64, |m, g| m.max(g.1.abs()));

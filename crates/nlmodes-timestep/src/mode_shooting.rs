@@ -1,12 +1,15 @@
-use nlmodes_continuation::{Linearization, ParametricSystem, Scaling};
+use std::ops::{Deref, DerefMut};
+
 use nlmodes_linalg::bilinear;
 use nlmodes_modal::{HarmonicCoefficients, ModalPoint, TimeHistory};
+use nlmodes_model::DofContact;
 use nlmodes_model::reduction::GalerkinReduction;
 
 use crate::phase::dot;
 use crate::verification::{n_intervals, share};
 use crate::{
-    ContactDynamics, Floquet, GrazingState, ModalState, PeriodicMotion, Shooting, ShootingScales, TimestepError,
+    ContactDynamics, ContactState, Floquet, GrazingState, ModalState, Shooting, ShootingScales, TimestepError,
+    Trajectory,
 };
 
 /// Maximum number of fixed-interface modes for a branch by shooting: the cost of a point grows with its third power.
@@ -16,7 +19,7 @@ pub const MAX_SHOOTING_MODES: usize = 200;
 const MOST_HARMONICS: usize = 64;
 
 /// The nonlinear mode of a structure by exact shooting, with its modal quantities: [`Shooting`] on a
-/// [`GalerkinReduction`], starting at grazing. A system for continuation.
+/// [`GalerkinReduction`], starting at grazing. Its equations are a system for continuation.
 #[derive(Debug)]
 pub struct ModeShooting {
     structure: GalerkinReduction,
@@ -56,19 +59,9 @@ impl ModeShooting {
         &self.structure
     }
 
-    /// Frequency and energy that the unknowns count in: those of the linear mode at grazing.
-    pub fn scales(&self) -> ShootingScales {
-        self.shooting.scales()
-    }
-
     /// `yᵀ M y` of coordinates of the reduced structure: twice the kinetic energy of velocities.
     fn inertia(&self, reduced: &[f64]) -> f64 {
         bilinear(reduced, self.structure.model().mass(), reduced)
-    }
-
-    /// The equations.
-    pub fn shooting(&mut self) -> &mut Shooting {
-        &mut self.shooting
     }
 
     /// Unknown vector at grazing, where the parameter is zero, and the direction of growing amplitude (m + 2); where
@@ -77,16 +70,6 @@ impl ModeShooting {
         let m = self.frequency_index();
         let unit = |n: usize, at: usize| (0..n).map(|k| f64::from(u8::from(k == at))).collect();
         self.start.as_ref().map_or_else(|| (unit(m + 1, m), unit(m + 2, m + 1)), |start| self.shooting.start(start))
-    }
-
-    /// Index of the frequency in the unknown vector.
-    pub fn frequency_index(&self) -> usize {
-        self.shooting.frequency_index()
-    }
-
-    /// Angular frequency of the unknown vector `x`, rad/s.
-    pub fn omega(&self, x: &[f64]) -> f64 {
-        self.shooting.omega(x)
     }
 
     /// Unknown vector and parameter of a motion of the full structure that is given by its Fourier coefficients, taken
@@ -110,14 +93,6 @@ impl ModeShooting {
             return Err(TimestepError::NotPositive { what: "averaged kinetic energy (J)", value: energy });
         }
         Ok((self.shooting.unknowns(&state, omega), (energy / self.scales().energy).ln()))
-    }
-
-    /// The motion with the unknowns `x`, over one period.
-    ///
-    /// # Errors
-    /// Errors of [`ContactDynamics::propagate`](crate::ContactDynamics::propagate).
-    pub fn motion(&mut self, x: &[f64]) -> Result<PeriodicMotion, TimestepError> {
-        self.shooting.motion(x)
     }
 
     /// Floquet multipliers of the motion with the unknowns `x`.
@@ -191,45 +166,22 @@ impl ModeShooting {
         Ok(full[self.structure.full().contacts()[0].dof])
     }
 
-    /// Number of contacts.
-    pub fn n_contacts(&self) -> usize {
-        self.structure.full().contacts().len()
-    }
-
-    /// Motion and force of contact `contact` over one period of the motion with the unknowns `x`, at `samples`
-    /// equidistant instants and the end of the period.
+    /// Motion and force of all contacts over one period of the motion with the unknowns `x`, at `samples` equidistant
+    /// instants and the end of the period.
     ///
     /// # Errors
     /// Errors of [`ContactDynamics::propagate`](crate::ContactDynamics::propagate).
-    ///
-    /// # Panics
-    /// If there is no such contact.
-    pub fn time_history(
+    pub fn equidistant_histories(
         &mut self,
         x: &[f64],
-        contact: usize,
         samples: usize,
         label: &str,
-    ) -> Result<TimeHistory, TimestepError> {
+    ) -> Result<Vec<TimeHistory>, TimestepError> {
         let trajectory = self.shooting.motion(x)?.trajectory;
-        let of = self.structure.full().contacts()[contact];
-        let time: Vec<f64> = (0..=samples).map(|j| trajectory.duration() * j as f64 / samples as f64).collect();
-        let states: Vec<_> = time.iter().map(|t| trajectory.contact_state(contact, *t)).collect();
-        // Where the contact is closed, its stop is deformed by its own compliance.
-        let beyond = |order: usize| -> Vec<f64> {
-            states.iter().map(|s| of.side.sign() * (of.stop_compliance() * s.force[order] - s.gap[order])).collect()
-        };
-        let stop = of.side.sign() * of.gap;
-        Ok(TimeHistory {
-            label: label.to_owned(),
-            displacement: beyond(0).into_iter().map(|q| stop + q).collect(),
-            velocity: beyond(1),
-            acceleration: beyond(2),
-            force: states.iter().map(|s| s.force[0]).collect(),
-            time,
-            stop,
-            instants: trajectory.contact_instants(contact),
-        })
+        let all = 0..self.structure.full().contacts().len();
+        let state = |t: f64| all.clone().map(|contact| trajectory.contact_state(contact, t)).collect();
+        let instants = (0..=samples).map(|j| trajectory.duration() * j as f64 / samples as f64);
+        Ok(self.histories(&trajectory, label, instants.map(|t| (t, state(t)))))
     }
 
     /// Motion and force of all contacts over one period of the motion with the unknowns `x`, exact at the contact
@@ -245,14 +197,24 @@ impl ModeShooting {
         label: &str,
     ) -> Result<Vec<TimeHistory>, TimestepError> {
         let trajectory = self.shooting.motion(x)?.trajectory;
+        let states = trajectory.exact_states(samples, self.structure.full().contacts().len());
+        Ok(self.histories(&trajectory, label, states.into_iter()))
+    }
+
+    fn histories(
+        &self,
+        trajectory: &Trajectory,
+        label: &str,
+        states: impl Iterator<Item = (f64, Vec<ContactState>)>,
+    ) -> Vec<TimeHistory> {
         let contacts = self.structure.full().contacts();
-        let empty = |(i, of): (usize, &nlmodes_model::DofContact)| TimeHistory {
+        let empty = |(i, of): (usize, &DofContact)| TimeHistory {
             instants: trajectory.contact_instants(i),
             ..TimeHistory::empty(label, of.side.sign() * of.gap)
         };
         let mut histories: Vec<TimeHistory> = contacts.iter().enumerate().map(empty).collect();
         let mut last = f64::NEG_INFINITY;
-        for (t, states) in trajectory.exact_states(samples, contacts.len()) {
+        for (t, states) in states {
             last = t.max(f64::next_up(last));
             for ((history, of), state) in histories.iter_mut().zip(contacts).zip(states) {
                 // Where the contact is closed, its stop is deformed by its own compliance.
@@ -261,7 +223,7 @@ impl ModeShooting {
                 history.push(last, [history.stop + beyond(0), beyond(1), beyond(2)], state.force[0]);
             }
         }
-        Ok(histories)
+        histories
     }
 
     /// The harmonics of a motion that can be resonant with a mode of the structure.
@@ -301,22 +263,17 @@ fn harmonic(motion: &HarmonicCoefficients, n: usize) -> Vec<f64> {
     (0..motion.n_coordinates()).map(|d| motion.of(d)[n].re).collect()
 }
 
-impl ParametricSystem for ModeShooting {
-    type Error = TimestepError;
+/// The equations.
+impl Deref for ModeShooting {
+    type Target = Shooting;
 
-    fn dim(&self) -> usize {
-        self.shooting.dim()
+    fn deref(&self) -> &Shooting {
+        &self.shooting
     }
+}
 
-    fn linearize(&mut self, x: &[f64], p: f64, out: &mut Linearization) -> Result<(), TimestepError> {
-        self.shooting.linearize(x, p, out)
-    }
-
-    fn scaling(&self) -> Option<Scaling> {
-        Some(Scaling::unit(self.dim()))
-    }
-
-    fn pattern(&self) -> u64 {
-        self.shooting.pattern()
+impl DerefMut for ModeShooting {
+    fn deref_mut(&mut self) -> &mut Shooting {
+        &mut self.shooting
     }
 }

@@ -1,5 +1,4 @@
 use std::f64::consts::{PI, TAU};
-use std::ops::ControlFlow;
 
 use nlmodes_continuation::{Continuation, ContinuationError, Linearization, ParametricSystem, Scaling};
 use nlmodes_linalg::{Mat, column};
@@ -147,9 +146,7 @@ impl Shooting {
     pub fn motion_near(&mut self, x: &[f64], p: f64) -> Result<PeriodicMotion, TimestepError> {
         let mut across = vec![0.0; x.len() + 1];
         across[x.len()] = 1.0;
-        let method = Continuation { max_points: 1, ..Continuation::default() };
-        let branch = method.run(self, x, p, &across, |_| ControlFlow::Continue(()));
-        match branch.map(|branch| branch.points.into_iter().next()) {
+        match Continuation::default().first_point(self, &[x, &[p]].concat(), &across, &mut ()) {
             Ok(Some(point)) => self.motion(&point.x),
             Err(ContinuationError::System(error)) => Err(error),
             Err(ContinuationError::Start(failure)) => {

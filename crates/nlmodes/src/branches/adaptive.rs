@@ -15,13 +15,13 @@ use nlmodes_modal::Event;
 
 pub(super) use self::control::Control;
 use self::control::Decision;
-use super::BranchError;
-use super::found::{First, Found, Shown};
+use super::found::{First, Found};
 use super::homotopy::{self, Effort};
 use super::refined::at_energy;
 use super::stability::length;
 use super::start::Seed;
 use super::trace::Tracer;
+use super::{BranchError, BranchProgress};
 
 /// A point without events that counts, from which the branch may go on with another number of harmonics.
 #[derive(Clone)]
@@ -60,7 +60,7 @@ impl Tracer<'_> {
         seed: &Seed,
         frequency: Option<[f64; 2]>,
         first: First,
-        each: &mut dyn FnMut(Shown) -> ControlFlow<()>,
+        each: &mut dyn FnMut(BranchProgress) -> ControlFlow<()>,
     ) -> Result<(Found, StopReason), BranchError> {
         let mut found = Found::new(&First::Plain);
         if self.too_few_modes {
@@ -145,11 +145,8 @@ impl Tracer<'_> {
             .or_else(|| homotopy::solve(&mut self.problem, &z, last, &step, Effort::LITTLE, self.log));
         let Some((x, p)) = found else { return Ok(None) };
         let seed = Seed { x, p, direction, harmonics };
-        let mut method = self.within(frequency);
-        method.max_points = 1;
-        let (problem, log) = (&mut self.problem, &mut *self.log);
-        let run = method.run_with_log(problem, &seed.x, seed.p, &seed.direction, log, |_| ControlFlow::Continue(()));
-        let found = run.ok().and_then(|run| run.points.into_iter().next());
+        let method = self.within(frequency);
+        let found = method.first_point(&mut self.problem, &seed.point(), &seed.direction, self.log).ok().flatten();
         let expected = estimate.unwrap_or(f64::INFINITY) * length(&seed.x);
         let growth = self.settings.growth;
         let is_same = |found: &BranchPoint| {
@@ -167,7 +164,7 @@ impl Tracer<'_> {
         frequency: Option<[f64; 2]>,
         chain: &mut Chain,
         found: &mut Found,
-        each: &mut dyn FnMut(Shown) -> ControlFlow<()>,
+        each: &mut dyn FnMut(BranchProgress) -> ControlFlow<()>,
     ) -> Result<(StopReason, Option<(Base, usize)>), BranchError> {
         let method = self.within(frequency);
         chain.waiting.clear();
@@ -186,7 +183,11 @@ impl Tracer<'_> {
                 if std::mem::take(&mut chain.known) {
                     continue;
                 }
-                found.keep_named(viewer, &point, names, error).iter().map(Shown::Point).try_for_each(&mut *each)?;
+                found
+                    .keep_named(viewer, &point, names, error)
+                    .iter()
+                    .map(BranchProgress::of_first)
+                    .try_for_each(&mut *each)?;
             }
             ControlFlow::Continue(())
         };
@@ -260,13 +261,17 @@ fn go_back_to(
     base: &Base,
     chain: &mut Chain,
     found: &mut Found,
-    each: &mut dyn FnMut(Shown) -> ControlFlow<()>,
+    each: &mut dyn FnMut(BranchProgress) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
     let shown = found.points.len();
     found.truncate(base.shown);
     chain.accurate.retain(|accurate| accurate.shown <= base.shown);
     chain.base = Some(base.clone());
-    if base.shown < shown { each(Shown::Withdrawn(base.shown)) } else { ControlFlow::Continue(()) }
+    if base.shown < shown {
+        each(BranchProgress::Withdrawn { branch: 0, kept: base.shown })
+    } else {
+        ControlFlow::Continue(())
+    }
 }
 
 fn cosine(tangent: &[f64], direction: &[f64]) -> f64 {

@@ -72,6 +72,12 @@ pub enum BranchProgress<'a> {
     },
 }
 
+impl<'a> BranchProgress<'a> {
+    pub(super) fn of_first(point: &'a ModalPoint) -> Self {
+        Self::Found { branch: 0, point }
+    }
+}
+
 impl ComputedBranch {
     /// Whether branches of internal resonances were to be left out.
     pub fn skips_internal_resonances(&self) -> bool {

@@ -9,7 +9,7 @@ use nlmodes_model::MasslessContactModel;
 
 use super::accuracy::first_harmonics;
 use super::branch::{BranchOrigin, BranchProgress, ComputedBranch, branch_end, label, modal_branch};
-use super::found::{First, Found, Shown};
+use super::found::{First, Found};
 use super::prepare::{check_window, condense, exact, linear_start, shooting_modes};
 use super::skip;
 use super::start::{Seed, seed};
@@ -214,17 +214,12 @@ fn one(
     observe: &mut dyn FnMut(BranchProgress) -> ControlFlow<()>,
 ) -> Result<Traced, BranchError> {
     let (mut count, limit) = (0, tracer.settings.max_points);
-    let (found, stop) = tracer.trace(seed, None, First::Named(start_event), |shown| {
-        match shown {
-            Shown::Point(point) => {
-                observe(BranchProgress::Found { branch: 0, point })?;
-                count += 1;
-            }
-            Shown::Withdrawn(kept) => {
-                observe(BranchProgress::Withdrawn { branch: 0, kept })?;
-                count = kept;
-            }
-        }
+    let (found, stop) = tracer.trace(seed, None, First::Named(start_event), |progress| {
+        observe(progress)?;
+        count = match progress {
+            BranchProgress::Found { .. } => count + 1,
+            BranchProgress::Withdrawn { kept, .. } => kept,
+        };
         if count < limit { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     })?;
     let end = branch_end(&stop, tracer, found.points.len());

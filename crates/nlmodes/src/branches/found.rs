@@ -11,14 +11,6 @@ use super::events::event_of;
 use super::left::Departure;
 use super::viewer::Viewer;
 
-/// What a run shows.
-pub(super) enum Shown<'p> {
-    /// A point that was found.
-    Point(&'p ModalPoint),
-    /// All but the first so many points of this run are found anew.
-    Withdrawn(usize),
-}
-
 /// The beginning of a run.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum First {

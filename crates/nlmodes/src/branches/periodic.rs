@@ -127,10 +127,7 @@ impl<'s> Periodic<'s> {
     ) -> Result<Vec<TimeHistory>, PeriodicError> {
         Ok(match &mut self.equations {
             Equations::Harmonics(problem) => problem.equidistant_histories(x, samples, label)?,
-            Equations::Exact(problem) => {
-                let each = 0..problem.n_contacts();
-                each.map(|i| problem.time_history(x, i, samples, label)).collect::<Result<_, _>>()?
-            }
+            Equations::Exact(problem) => problem.equidistant_histories(x, samples, label)?,
         })
     }
 

@@ -7,7 +7,7 @@ use nlmodes_continuation::StopReason;
 use nlmodes_modal::{BranchEnd, EndReason, Event, InternalResonance, ModalPoint, RESONANT_SHARE};
 
 use super::branch::branch_end;
-use super::found::{First, Found, Shown};
+use super::found::{First, Found};
 use super::guide::Guides;
 use super::homotopy::Effort;
 use super::start::{Seed, Target, heading, refined};
@@ -36,8 +36,8 @@ pub(super) fn follow(
         let mut is_aside = all.points.last().and_then(|last| last.resonance).is_some_and(is_followed);
         let traced = tracer.trace(&seed, None, first, |shown| {
             let point = match shown {
-                Shown::Point(point) => point,
-                Shown::Withdrawn(kept) => {
+                BranchProgress::Found { point, .. } => point,
+                BranchProgress::Withdrawn { kept, .. } => {
                     count = before + kept;
                     return observe(BranchProgress::Withdrawn { branch: 0, kept: count });
                 }
@@ -217,7 +217,7 @@ fn back_to_base(
     let back = Seed { direction: seed.direction.iter().map(|d| -d).collect(), ..seed.clone() };
     let mut resonant = false;
     let (mut found, _) = tracer.trace(&back, Some(frequency), First::Plain, |shown| {
-        let Shown::Point(point) = shown else { return ControlFlow::Continue(()) };
+        let BranchProgress::Found { point, .. } = shown else { return ControlFlow::Continue(()) };
         resonant = point.resonance.is_some();
         let turned = point.has_event(Event::FrequencyFold);
         if resonant || turned { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }

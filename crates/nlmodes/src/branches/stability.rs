@@ -1,7 +1,5 @@
 //! Floquet multipliers of the points of a branch that has been followed.
 
-use std::ops::ControlFlow;
-
 use nlmodes_continuation::{Budget, Continuation, Watched};
 use nlmodes_modal::{EndReason, Event, ModalPoint, Stability};
 use nlmodes_timestep::{GalerkinReduction, MAX_SHOOTING_MODES, ModeShooting, ShootingScales};
@@ -234,17 +232,14 @@ impl Beside<'_> {
         let along = before.map(|before| guess.iter().zip(&before).map(|(a, b)| a - b).collect::<Vec<f64>>());
         let along = along.filter(|d| length(d) > 1e-9 * length(&guess)).unwrap_or(upward);
         let offset = neighbour.and_then(|neighbour| neighbour.known).map(|known| &known.offset);
-        let start = match offset {
+        let start: Vec<f64> = match offset {
             Some(offset) => guess.iter().zip(offset).map(|(a, b)| a + b).collect(),
             None => guess.clone(),
         };
-        let (p, x) = start.split_last()?;
-        let method = Continuation { max_points: 1, ..Continuation::default() };
         let (shooting, settings) = (&mut self.shooting, self.settings);
         self.budget.spend(&self.watch, |watch| {
-            let mut watched = Watched { system: &mut *shooting, watch };
-            let found = method.run(&mut watched, x, *p, &along, |_| ControlFlow::Continue(())).ok()?;
-            let exact = found.points.into_iter().next()?;
+            let mut watched = Watched { system: &mut **shooting, watch };
+            let exact = Continuation::default().first_point(&mut watched, &start, &along, &mut ()).ok()??;
             let offset: Vec<f64> = exact.z().iter().zip(&guess).map(|(a, b)| a - b).collect();
             let (_, unknowns) = guess.split_last()?;
             if length(&offset) > settings.near * length(unknowns) {

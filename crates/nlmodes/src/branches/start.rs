@@ -289,10 +289,7 @@ pub(super) fn one_point(
     log: &mut dyn RunLog,
 ) -> Option<(Vec<f64>, f64)> {
     let mut method = continuation(settings, start, problem.frequency_index(), problem.dim());
-    method.max_points = 1;
     // Where branches end does not concern a single point.
     method.bounds.clear();
-    let (p, x) = z.split_last()?;
-    let branch = method.run_with_log(problem, x, *p, direction, log, |_| ControlFlow::Continue(())).ok()?;
-    branch.points.into_iter().next().map(|point| (point.x, point.p))
+    method.first_point(problem, z, direction, log).ok()?.map(|point| (point.x, point.p))
 }

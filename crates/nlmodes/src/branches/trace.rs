@@ -7,12 +7,12 @@ use nlmodes_hbm::{CondensedStructure, Grazing, TruncationEstimator};
 use nlmodes_modal::{Event, ModalPoint};
 
 use super::adaptive::Control;
-use super::found::{First, Found, Shown};
+use super::found::{First, Found};
 use super::periodic::Periodic;
 use super::prepare::{continuation, estimator, periodic};
 use super::start::Seed;
 use super::viewer::Viewer;
-use super::{BranchError, BranchMethod, BranchSettings};
+use super::{BranchError, BranchMethod, BranchProgress, BranchSettings};
 
 /// A structure and its settings, and what turns solutions into modal points.
 pub(super) struct Tracer<'s> {
@@ -87,7 +87,7 @@ impl<'s> Tracer<'s> {
         seed: &Seed,
         frequency: Option<[f64; 2]>,
         first: First,
-        mut each: impl FnMut(Shown) -> ControlFlow<()>,
+        mut each: impl FnMut(BranchProgress) -> ControlFlow<()>,
     ) -> Result<(Found, StopReason), BranchError> {
         if let Some(control) = self.control {
             return self.trace_accurately(control, seed, frequency, first, &mut each);
@@ -99,7 +99,7 @@ impl<'s> Tracer<'s> {
         let watch = &self.settings.watch;
         problem.accepted(&seed.x, seed.p);
         let branch = method.run_with_log(problem, &seed.x, seed.p, &seed.direction, log, |point| {
-            found.keep_unless_ended(watch, viewer, point)?.iter().map(Shown::Point).try_for_each(&mut each)
+            found.keep_unless_ended(watch, viewer, point)?.iter().map(BranchProgress::of_first).try_for_each(&mut each)
         })?;
         found.count(&branch);
         Ok((found, if watch.has_ended() { StopReason::Stopped } else { branch.stop }))

@@ -1,7 +1,5 @@
 //! Solutions seen as modal points.
 
-use std::ops::ControlFlow;
-
 use nlmodes_continuation::{Continuation, ParametricSystem};
 use nlmodes_hbm::{CondensedStructure, Grazing};
 use nlmodes_modal::ModalPoint;
@@ -49,9 +47,7 @@ impl<'s> Viewer<'s> {
     pub fn solution(&mut self, guess: &[f64], along: &[f64]) -> Option<(Vec<f64>, f64, Vec<f64>)> {
         let (p, x) = guess.split_last()?;
         self.problem.accepted(x, *p);
-        let method = Continuation { max_points: 1, ..Continuation::default() };
-        let corrected = method.run(&mut self.problem, x, *p, along, |_| ControlFlow::Continue(())).ok()?;
-        let point = corrected.points.into_iter().next()?;
+        let point = Continuation::default().first_point(&mut self.problem, guess, along, &mut ()).ok()??;
         let z = point.z();
         Some((point.x, point.residual, z))
     }

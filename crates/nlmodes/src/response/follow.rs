@@ -1,18 +1,16 @@
 use std::ops::ControlFlow;
 
 use nlmodes_contact::LcpSolver;
-use nlmodes_continuation::{
-    Bound, Branch, BranchPoint, Budget, Continuation, EventKind, Linearization, ParametricSystem, StopReason,
-};
+use nlmodes_continuation::{Bound, Branch, BranchPoint, Budget, Continuation, ParametricSystem, StopReason};
 use nlmodes_hbm::{PeriodicMotion, PeriodicSystem, PhaseLag, Refined, ResponseRow, Source};
-use nlmodes_linalg::DenseLu;
-use nlmodes_modal::{BranchEnd, EndReason, Event};
+use nlmodes_modal::{BranchEnd, EndReason};
 use num_complex::Complex64;
 
+use crate::branches::event_of;
 use crate::response::curve::{Solved, curve_end, energy_bound, frequency_bound, lost};
 use crate::response::exact::exact_stability;
 use crate::response::losses::{is_loss, name_lost_stability};
-use crate::response::{ResponseCurve, ResponseError, ResponsePoint, ResponseSettings, Stability};
+use crate::response::{ResponseCurve, ResponseError, ResponseModel, ResponsePoint, ResponseSettings, Stability};
 
 /// A curve to follow: a system, where it starts, and what its points are called.
 pub(crate) struct Curve<'a> {
@@ -28,6 +26,30 @@ pub(crate) struct Curve<'a> {
     pub budget: Budget,
 }
 
+impl<'a> Curve<'a> {
+    /// From the lower end of a range of the parameter upwards; its unknowns are still to be given.
+    pub fn rising(
+        system: PeriodicSystem,
+        range: [f64; 2],
+        model: &ResponseModel,
+        settings: &'a ResponseSettings,
+        solver: &'a dyn LcpSolver,
+    ) -> Result<Self, ResponseError> {
+        let mut direction = vec![0.0; system.dim() + 1];
+        direction[system.dim()] = 1.0;
+        let (drive, budget) = (model.drive(settings)?, settings.budget());
+        let (x, bounds) = (Vec::new(), Vec::new());
+        let mut curve = Self { system, x, p: range[0], direction, bounds, drive, settings, solver, budget };
+        curve.within(range);
+        Ok(curve)
+    }
+
+    /// Bounds of the parameter alone.
+    pub fn within(&mut self, [min, max]: [f64; 2]) {
+        self.bounds = vec![Bound { coordinate: self.parameter(), min, max }];
+    }
+}
+
 impl Curve<'_> {
     pub fn run(&mut self) -> Result<Branch, ResponseError> {
         let watch = &self.settings.watch;
@@ -39,24 +61,14 @@ impl Curve<'_> {
         &mut self,
         watch: &mut dyn FnMut(&BranchPoint) -> ControlFlow<()>,
     ) -> Result<Branch, ResponseError> {
-        let method = Continuation {
-            bounds: self.bounds.clone(),
-            max_points: self.settings.max_points,
-            ..Continuation::default()
-        };
-        self.system.hold_phase(&self.x);
+        let method = self.begin();
         let mut log = self.settings.log.clone();
         Ok(method.run_with_log(&mut self.system, &self.x, self.p, &self.direction, &mut log, watch)?)
     }
 
     /// Follows the curve and those that branch off, at most `most` in all; the first one is the curve itself.
     pub fn follow_all(&mut self, omega: (usize, f64), most: usize) -> Result<Vec<ResponseCurve>, ResponseError> {
-        let method = Continuation {
-            bounds: self.bounds.clone(),
-            max_points: self.settings.max_points,
-            ..Continuation::default()
-        };
-        self.system.hold_phase(&self.x);
+        let method = self.begin();
         let watch = |_: usize, _: &BranchPoint| self.settings.watch.lets_go_on();
         let mut log = self.settings.log.clone();
         let (system, direction) = (&mut self.system, &self.direction);
@@ -207,14 +219,7 @@ impl Curve<'_> {
             true => self.stability(&found.x, found.p)?,
             false => None,
         };
-        let named = at.events.iter().filter_map(|event| match event {
-            EventKind::ParameterFold => Some(Event::Fold),
-            EventKind::BranchPoint => Some(Event::BranchPoint),
-            EventKind::Kink => Some(Event::Kink),
-            EventKind::PatternChange { .. } => Some(Event::ContactChange),
-            _ => None,
-        });
-        let events = named.collect();
+        let events = at.events.iter().map(|event| event_of(*event)).collect();
         Ok(ResponsePoint { stability, events, gradients, ..self.motion(None, found)? })
     }
 
@@ -251,6 +256,24 @@ impl Curve<'_> {
         let (system, solver) = (&mut self.system, self.solver);
         let found = self.budget.spend(&self.settings.watch, |_| Some(system.floquet(x, p, solver)));
         Ok(found.transpose()?.map(|floquet| floquet.stability()))
+    }
+
+    /// The unknowns where the parameter arrives at a bound, otherwise where the curve ends, and why.
+    pub fn arrive(&mut self, at: f64) -> Result<Result<Vec<f64>, (f64, String)>, ResponseError> {
+        let branch = self.run()?;
+        let (p, x) = branch.points.into_iter().next_back().map_or((0.0, Vec::new()), |last| (last.p, last.x));
+        match &branch.stop {
+            StopReason::Bound { coordinate, value } if *coordinate == self.parameter() && *value == at => Ok(Ok(x)),
+            StopReason::Stopped => Err(ResponseError::Stopped),
+            stop => Ok(Err((p, self.end(stop, (usize::MAX, 1.0)).message))),
+        }
+    }
+
+    /// Tells the equations of the start, and how they are to be followed.
+    fn begin(&mut self) -> Continuation {
+        self.system.hold_phase(&self.x);
+        let (bounds, max_points) = (self.bounds.clone(), self.settings.max_points);
+        Continuation { bounds, max_points, ..Continuation::default() }
     }
 
     /// Number of unknowns, which is the coordinate of the parameter.
@@ -295,33 +318,10 @@ fn unsolved(points: &[ResponsePoint]) -> Option<String> {
     (count > 0).then(|| format!("{count} of its points were not solved, with residuals up to {most:.0e}"))
 }
 
-/// Unknowns near `x` that solve the system at the parameter `p`, by Newton's method with shortened steps; `None` where
-/// it does not get there.
+/// Unknowns near `x` that solve the system at the parameter `p`; `None` where Newton's method does not get there.
 pub(crate) fn newton(system: &mut PeriodicSystem, x: &[f64], p: f64) -> Option<Vec<f64>> {
-    let n = system.dim();
-    let (mut x, mut at) = (x.to_vec(), Linearization::new(n));
-    system.linearize(&x, p, &mut at).ok()?;
-    let mut size = at.residual_norm();
-    for _ in 0..60 {
-        let square = at.jacobian.subcols(0, n).to_owned();
-        let mut step = at.residual.clone();
-        DenseLu::factor(&square).ok()?.solve_in_place(&mut step);
-        let mut share = 1.0;
-        let next = loop {
-            let next: Vec<f64> = x.iter().zip(&step).map(|(x, s)| x - share * s).collect();
-            let is_less = system.linearize(&next, p, &mut at).is_ok() && at.residual_norm() < size;
-            if is_less {
-                break Some(next);
-            }
-            share *= 0.5;
-            if share < 1e-4 {
-                break None;
-            }
-        };
-        match next {
-            Some(next) => (x, size) = (next, at.residual_norm()),
-            None => return (size < CONVERGED).then_some(x),
-        }
-    }
-    (size < CONVERGED).then_some(x)
+    let mut across = vec![0.0; x.len() + 1];
+    across[x.len()] = 1.0;
+    let found = Continuation::default().first_point(system, &[x, &[p]].concat(), &across, &mut ());
+    found.ok()?.map(|point| point.x)
 }

@@ -3,7 +3,7 @@ use std::sync::Arc;
 use nlmodes_contact::solver_by_name;
 use nlmodes_hbm::{
     DampedStop, ForceLaw, Grazing, HbmError, LawAtRest, Load, LoadTerm, ModalStructure, ModeStart, PhaseLag, PlacedLaw,
-    ResponseRow, about_rest, about_rest_of_law, laws_at_rest, modal_grazing_opened, modal_start,
+    ResponseRow, UNIT_ENERGY, about_rest, about_rest_of_law, laws_at_rest, modal_grazing_opened, modal_start,
 };
 use nlmodes_model::reduction::{OpenModes, RestState};
 use num_complex::Complex64;
@@ -15,9 +15,6 @@ pub type Weights = Vec<(usize, f64)>;
 
 /// Gap at rest over the largest one up to which a contact touches.
 const TOUCHES: f64 = 1e-12;
-
-/// Energy with which modes begin before contacts that all touch at rest, J: those of any other are these, multiplied.
-const UNIT_ENERGY: f64 = 1.0;
 
 /// A force of a load.
 #[derive(Debug, Clone, PartialEq)]

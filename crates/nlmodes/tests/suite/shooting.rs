@@ -190,7 +190,7 @@ fn several_stops_and_springs_are_followed_from_grazing_too() {
 fn growth(computed: &ComputedBranch, point: usize, [from, to]: [usize; 2]) -> f64 {
     let mut problem = computed.exact().unwrap().unwrap();
     let motion = problem.motion(&computed.unknowns[point]).unwrap();
-    let dynamics = problem.shooting().dynamics();
+    let dynamics = problem.dynamics();
     let omega = dynamics.omega().to_vec();
     let mut state = motion.state.clone();
     state.z.iter_mut().zip(&omega).enumerate().for_each(|(k, (z, ω))| *z += 1e-9 / (ω * (k + 1) as f64));

@@ -1,12 +1,12 @@
 use nlmodes_contact::{LcpSolver, solver_by_name};
-use nlmodes_continuation::{Bound, ParametricSystem, StopReason};
+use nlmodes_continuation::StepSettings;
 use nlmodes_hbm::{HbmError, ModalStructure, PeriodicSystem, Scales, law_length};
 
 use super::doubled::doubled_responses;
-use super::phase_resonance::{beside, small_level};
 use crate::response::follow::Curve;
-use crate::response::linear::{linear_motion, unknowns_at_rest};
+use crate::response::linear::{SmallMotion, unknowns_at_rest};
 use crate::response::{ResponseCurve, ResponseError, ResponseModel, ResponsePoint, ResponseSettings};
+use crate::touching::{Closing, NotClosed};
 
 /// Length of the window in units of the parameter: with steps of at most 0.1, some sixty points where nothing else
 /// happens.
@@ -148,14 +148,10 @@ pub(super) fn curve_over_frequency<'a>(
         None => scales(structure, from),
     };
     let system = PeriodicSystem::frequency_response(structure, load, level, unit, settings.periodic(), scales, solver)?;
-    let n = system.dim();
-    let bounds = vec![Bound { coordinate: n, min: window[0] / unit, max: window[1] / unit }];
-    let mut direction = vec![0.0; n + 1];
-    direction[n] = 1.0;
-    let (drive, p) = (model.drive(settings)?, from / unit);
-    let curve =
-        Curve { system, x: Vec::new(), p, direction, bounds, drive, settings, solver, budget: settings.budget() };
-    Ok((curve, (n, unit * settings.subharmonic as f64)))
+    let mut curve = Curve::rising(system, window.map(|omega| omega / unit), model, settings, solver)?;
+    curve.p = from / unit;
+    let omega = (curve.parameter(), unit * settings.subharmonic as f64);
+    Ok((curve, omega))
 }
 
 /// The response at the frequency `omega` of the load (rad/s) from rest to the largest level `to`.
@@ -197,7 +193,7 @@ fn from_touch<'a>(
     // Lengths at the least level count in those at the largest one.
     curve.x = x.iter().map(|x| LEAST * x).collect();
     curve.p = LEAST * WINDOW;
-    curve.bounds = vec![Bound { coordinate: curve.system.dim(), min: curve.p, max: WINDOW }];
+    curve.within([curve.p, WINDOW]);
     Ok(curve)
 }
 
@@ -211,13 +207,9 @@ fn over_level<'a>(
     let (structure, load) = (model.structure(), model.load(settings)?);
     let unit = to / WINDOW;
     let system = PeriodicSystem::force_response(structure, load, base, unit, settings.periodic(), scales, solver)?;
-    let n = system.dim();
-    let mut direction = vec![0.0; n + 1];
-    direction[n] = 1.0;
-    let bounds = vec![Bound { coordinate: n, min: 0.0, max: WINDOW }];
-    let drive = model.drive(settings)?;
-    let x = unknowns_at_rest(&system, model.pressed_rest()?.as_ref());
-    Ok(Curve { system, x, p: 0.0, direction, bounds, drive, settings, solver, budget: settings.budget() })
+    let mut curve = Curve::rising(system, [0.0, WINDOW], model, settings, solver)?;
+    curve.x = unknowns_at_rest(&curve.system, model.pressed_rest()?.as_ref());
+    Ok(curve)
 }
 
 /// Most points on the way from rest to the level of a curve.
@@ -256,19 +248,10 @@ fn from_rest(
 ) -> Result<Vec<f64>, ResponseError> {
     let mut curve = over_level(model, base, (level, scales(model.structure(), base)), settings, solver)?;
     curve.system = curve.system.damped_more(c);
-    let parameter = curve.parameter();
-    let branch = curve.run()?;
-    let last = branch.points.last().map_or((0.0, Vec::new()), |q| (q.p, q.x.clone()));
-    match &branch.stop {
-        StopReason::Bound { coordinate, value } if *coordinate == parameter && *value > 0.0 => Ok(last.1),
-        StopReason::Stopped => Err(ResponseError::Stopped),
-        stop => Err(ResponseError::NoStart {
-            omega: base * settings.subharmonic as f64,
-            level,
-            reached: last.0 * level / WINDOW,
-            why: curve.end(stop, (usize::MAX, 1.0)).message,
-        }),
-    }
+    curve.arrive(WINDOW)?.map_err(|(p, why)| {
+        let omega = base * settings.subharmonic as f64;
+        ResponseError::NoStart { omega, level, reached: p * level / WINDOW, why }
+    })
 }
 
 /// Damping beside its own with which a structure is brought to a level that it does not reach from rest, times the mass
@@ -288,20 +271,11 @@ fn through_damping(
     curve.system = curve.system.over_damping(level, c / WINDOW);
     let parameter = curve.parameter();
     (curve.x, curve.p, curve.direction[parameter]) = (x, WINDOW, -1.0);
-    curve.bounds = vec![Bound { coordinate: parameter, min: 0.0, max: 2.0 * WINDOW }];
-    let branch = curve.run()?;
-    match (&branch.stop, branch.points.last()) {
-        (StopReason::Bound { coordinate, value }, Some(last)) if *coordinate == parameter && *value == 0.0 => {
-            Ok(last.x.clone())
-        }
-        (StopReason::Stopped, _) => Err(ResponseError::Stopped),
-        (stop, _) => Err(ResponseError::NoStart {
-            omega: base * settings.subharmonic as f64,
-            level,
-            reached: level,
-            why: curve.end(stop, (usize::MAX, 1.0)).message,
-        }),
-    }
+    curve.within([0.0, 2.0 * WINDOW]);
+    curve.arrive(0.0)?.map_err(|(_, why)| {
+        let omega = base * settings.subharmonic as f64;
+        ResponseError::NoStart { omega, level, reached: level, why }
+    })
 }
 
 /// Contacts that touch at rest without force: a response is nowhere linear there, however small.
@@ -332,20 +306,11 @@ pub(super) fn touch(
         return Ok(None);
     }
     let apart = model.opened(&contacts, APART)?;
-    let structure = apart.structure();
-    let load = model.load(settings)?;
-    let few = nlmodes_hbm::PeriodicSettings { harmonics: load.highest_harmonic(), ..settings.periodic() };
-    let own = scales(structure, base);
-    let mut system = PeriodicSystem::force_response(structure, load, base, 1.0, few, own, solver)?;
-    let pressed = apart.pressed_rest()?;
-    let rest = unknowns_at_rest(&system, pressed.as_ref());
-    let x = linear_motion(&mut system, &rest)?;
-    let closed = pressed.as_ref().map(|rest| rest.closed.as_slice());
-    let small = small_level(&mut system, (&rest, &x), closed)?;
-    let motion = system.motion(&beside(&rest, &x, small), small)?;
-    let toward = |&i: &usize| APART - (structure.gaps()[i] - motion.contacts[i].peak);
+    let mut small = SmallMotion::new(&apart, base, settings, solver)?;
+    let motion = small.motion()?;
+    let toward = |&i: &usize| APART - (apart.structure().gaps()[i] - motion.contacts[i].peak);
     let toward = contacts.iter().map(toward).fold(0.0, f64::max);
-    let length = if toward > 0.0 { level * toward / small } else { APART };
+    let length = if toward > 0.0 { level * toward / small.level } else { APART };
     Ok(Some(Touch { contacts, length }))
 }
 
@@ -366,28 +331,18 @@ fn closing(
     let x = at_level(&opened, base, level, settings, solver)?;
     let mut opening = vec![0.0; model.structure().n_contacts()];
     touch.contacts.iter().for_each(|&contact| opening[contact] = by);
-    let load = model.load(settings)?.beside_opening(level, opening)?;
     let (structure, periodic, own) = (model.structure(), settings.periodic(), touch.scales(base));
-    let system = PeriodicSystem::force_response(structure, load, base, 1.0, periodic, own, solver)?;
-    let (n, unit) = (system.dim(), scales(opened.structure(), base).length / own.length);
-    let x = x.iter().map(|x| unit * x).collect();
-    let mut direction = vec![0.0; n + 1];
-    direction[n] = -1.0;
-    let bounds = vec![Bound { coordinate: n, min: 0.0, max: 2.0 }];
-    let budget = settings.budget();
-    let mut curve = Curve { system, x, p: 1.0, direction, bounds, drive: None, settings, solver, budget };
-    let branch = curve.run()?;
-    let last = branch.points.last().map_or((1.0, Vec::new()), |q| (q.p, q.x.clone()));
-    match &branch.stop {
-        StopReason::Bound { coordinate, value } if *coordinate == n && *value == 0.0 => Ok(last.1),
-        StopReason::Stopped => Err(ResponseError::Stopped),
-        stop => Err(ResponseError::NoStartTouching {
-            omega: base * settings.subharmonic as f64,
-            level,
-            left: last.0 * by,
-            why: curve.end(stop, (usize::MAX, 1.0)).message,
-        }),
-    }
+    let load = model.load(settings)?;
+    let system = PeriodicSystem::force_response(structure, load, base, 1.0, periodic, own, solver)?.at_level(level);
+    let unit = scales(opened.structure(), base).length / own.length;
+    let x: Vec<f64> = x.iter().map(|x| unit * x).collect();
+    let closing = Closing { step: &StepSettings::default(), solver, watch: &settings.watch };
+    closing.closed(system, &x, &opening, &mut settings.log.clone()).map_err(|failure| match failure {
+        NotClosed::Lost { left, why } => {
+            ResponseError::NoStartTouching { omega: base * settings.subharmonic as f64, level, left: left * by, why }
+        }
+        failure => failure.into(),
+    })
 }
 
 /// Lengths near the smallest gap, or that at which laws of force matter, and of a structure that a steady force presses
