@@ -67,6 +67,7 @@ pub struct HtmlReport<'a> {
     main_figure: Option<MainFigure>,
     quantities: Vec<(String, Vec<Vec<f64>>)>,
     scattered: Vec<usize>,
+    first_points: Vec<usize>,
     kinds: Vec<LineKind>,
     figures: Vec<(String, Figure)>,
     tables: Vec<DataTable>,
@@ -100,6 +101,7 @@ impl<'a> HtmlReport<'a> {
             main_figure: None,
             quantities: Vec::new(),
             scattered: Vec::new(),
+            first_points: Vec::new(),
             kinds: Vec::new(),
             figures: Vec::new(),
             tables: Vec::new(),
@@ -128,6 +130,12 @@ impl<'a> HtmlReport<'a> {
     /// animated first.
     pub fn mark(mut self, branch: usize, point: usize, name: impl Into<String>) -> Self {
         self.marks.push((branch, point, name.into()));
+        self
+    }
+
+    /// With the points of each branch numbered from these on, as in a table of all of them; otherwise each from 0.
+    pub fn first_points(mut self, numbers: &[usize]) -> Self {
+        self.first_points = numbers.to_vec();
         self
     }
 

@@ -30,6 +30,11 @@ pub(crate) trait Curve {
     /// The points, with their coordinates, the name of the curve and why it ends.
     fn branch(&self) -> &ModalBranch;
 
+    /// Number of its first point in `branch.csv`.
+    fn first(&self) -> usize {
+        0
+    }
+
     /// Participation of the lowest linear modes at each point.
     fn participation(&self) -> &[Participation];
 

@@ -80,6 +80,8 @@ impl StopColumns {
 #[serde(rename_all = "camelCase")]
 struct BranchData {
     label: String,
+    /// Number of its first point in a table of all branches.
+    first: usize,
     color: &'static str,
     /// Whether its points are measured and not connected.
     scattered: bool,
@@ -180,6 +182,7 @@ impl BranchData {
         };
         Self {
             label: branch.label.clone(),
+            first: report.first_points.get(index).copied().unwrap_or(0),
             color: report.color(index),
             scattered: report.scattered.contains(&index),
             // Tips of internal-resonance branches are narrow: ten digits.

@@ -107,7 +107,8 @@ pub fn own_references(curve: &dyn Curve) -> Result<Vec<Reference>, Failure> {
         if motion.len() > 1 {
             motion.iter_mut().zip(stops::names(curve)).for_each(|(history, name)| history.label = name);
         }
-        let title = format!("P{} (point {point}, {:.4} Hz)", k + 1, found.listed_omega() / TAU);
+        let (number, hz) = (curve.first() + point, found.listed_omega() / TAU);
+        let title = format!("P{} (point {number}, {hz:.4} Hz)", k + 1);
         let name = format!("P{}", k + 1);
         Ok(Reference { name, amplitude: found.modal_amplitude, point, title, motions: vec![motion] })
     };

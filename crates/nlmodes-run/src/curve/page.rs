@@ -78,6 +78,7 @@ pub fn write(
     let participation: Vec<&[Participation]> = participation.iter().map(Vec::as_slice).collect();
     let mut report = HtmlReport::new(content.title, &branches).scattered(&content.scattered);
     if !curves.is_empty() {
+        report = report.first_points(&curves.iter().map(|curve| curve.first()).collect::<Vec<_>>());
         report = report.contact_motion(&contact_motion).participation(&participation);
     }
     for text in content.lines {

@@ -64,7 +64,8 @@ impl Period {
         let frames: Vec<Frame> = (0..motion.phases.len())
             .map(|k| motion.frame(k, stress.map(|solids| (solids, surface.points()))))
             .collect();
-        let wireframe = wireframe(format!("Point {point}"), (mesh, &skin), &surface, &frames, &motion.ends);
+        let wireframe =
+            wireframe(format!("Point {}", curve.first() + point), (mesh, &skin), &surface, &frames, &motion.ends);
         let dependent = motion.dependent();
         Ok(Some(Self { point, surface, frames, duration: motion.period, wireframe, dependent }))
     }

@@ -24,13 +24,19 @@ pub struct Viewed<'a> {
     model: &'a Model,
     scene: &'a Scene,
     computed: &'a ComputedResponse,
-    /// Number of the curve in the run, from 0.
+    /// Number of the curve in the run, from 0, and of its first point in `branch.csv`.
     number: usize,
+    first: usize,
 }
 
 /// All curves with points, in the order of the run.
 pub fn viewed<'a>(scene: &'a Scene, model: &'a Model, curves: &'a [ComputedResponse]) -> Vec<Viewed<'a>> {
-    let all = curves.iter().enumerate().map(|(number, computed)| Viewed { model, scene, computed, number });
+    let mut next = 0;
+    let all = curves.iter().enumerate().map(|(number, computed)| {
+        let first = next;
+        next += computed.branch.points.len();
+        Viewed { model, scene, computed, number, first }
+    });
     all.filter(|one| !one.computed.branch.points.is_empty()).collect()
 }
 
@@ -117,6 +123,10 @@ pub fn pictured_of(curves: &[Viewed<'_>]) -> usize {
 }
 
 impl Curve for Viewed<'_> {
+    fn first(&self) -> usize {
+        self.first
+    }
+
     fn branch(&self) -> &ModalBranch {
         &self.computed.branch
     }

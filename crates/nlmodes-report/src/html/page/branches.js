@@ -4,6 +4,9 @@ const AMPLITUDE_LABEL = "modal amplitude in m √kg";
 const CORNERS_AT = ["kink", "contact-change", "branch-point"];
 
 /// What there is to say about a point: pairs of name and value.
+/// Number of a point in the table of all branches.
+const numberOf = (branch, index) => (branch.first || 0) + index;
+
 function facts(branch, index) {
   // Stops of one point are compared: all have the unit of the largest.
   const most = id => largest(branch.stops.map(stop => stop[id][index]));
@@ -81,7 +84,7 @@ const tipRows = new Set(["total energy", "residual", "contacts a period", "large
 function describePoint(curve, index) {
   const branch = DATA.branches[curve.key];
   const rows = facts(branch, index).filter(([name]) => !tipRows.has(name));
-  return [`${branch.label}: point ${index}`, ...rows.map(([name, value]) => `${name}: ${value}`)];
+  return [`${branch.label}: point ${numberOf(branch, index)}`, ...rows.map(([name, value]) => `${name}: ${value}`)];
 }
 
 /// Indices of the points at which a branch may turn.

@@ -25,7 +25,7 @@ function allColumns() {
     ...numbers(most(branch => (branch.shares[0] || []).length)).map(n =>
       column(`harmonic${n}`, `energy share, harmonic ${n}`, "log", branch => branch.shares.map(shares => (shares.length > n ? shares[n] : null)))),
     column("multiplier", "largest Floquet multiplier", "linear", branch => branch.frequency.map((_, k) => branch.multiplier[k] ?? null)),
-    plain("residual", "residual", "log"), column("point", "point", "linear", branch => branch.frequency.map((_, k) => k)),
+    plain("residual", "residual", "log"), column("point", "point", "linear", branch => branch.frequency.map((_, k) => (branch.first || 0) + k)),
   ];
   const known = one => DATA.branches.some(branch => (one.of(branch) || []).some(value => Number.isFinite(value) && value !== 0));
   return all.filter(known);

@@ -13,7 +13,7 @@ function participationSpec(onHover, onChoose) {
     const branch = DATA.branches[key];
     const share = mode => significant((branch.participation[mode] || [])[index], 5);
     return [
-      `${branch.label}: point ${index}`, `frequency: ${hertz(branch.frequency[index])}`,
+      `${branch.label}: point ${numberOf(branch, index)}`, `frequency: ${hertz(branch.frequency[index])}`,
       `modal amplitude: ${significant(branch.amplitude[index], 5)} m √kg`,
       ...modes.map(mode => `share of mode ${mode + 1} in the kinetic energy: ${share(mode)}`),
     ];

@@ -19,7 +19,7 @@ function begin() {
     showDetails(byId("details"), branch, index, shown);
     if (byId("point")) { byId("point").max = branch.frequency.length - 1; byId("point").value = index; }
     if (byId("branch")) byId("branch").value = key;
-    byId("walk")?.querySelector("output")?.replaceChildren(`${index} of ${branch.frequency.length - 1}`);
+    byId("walk")?.querySelector("output")?.replaceChildren(`${numberOf(branch, index)} of ${numberOf(branch, branch.frequency.length - 1)}`);
     showContact(branch, shown);
   }
 
@@ -42,7 +42,7 @@ function begin() {
     });
     const history = { ...all[0], others: all.slice(1) };
     if (history.others.length) curveNames(box, history);
-    const spec = historySpec(`Contacts at point ${shown}`, history, 130);
+    const spec = historySpec(`Contacts at point ${numberOf(branch, shown)}`, history, 130);
     const chart = new Chart(html(box, "div", { class: "plot plain" }), spec);
     motion.onPhase = phase => chart.moveCursor(phase * period * spec.clock.perSi);
     motion.onPhase(motion.player.phase);
@@ -107,9 +107,9 @@ function walk(box, chosen, choose) {
 function showDetails(box, branch, index, shown) {
   if (!box) return;
   box.replaceChildren();
-  html(box, "h3", {}, `Point ${index}`);
+  html(box, "h3", {}, `Point ${numberOf(branch, index)}`);
   if (DATA.branches.length > 1) html(box, "p", { class: "quiet" }, branch.label);
-  if (shown !== null && shown !== index) html(box, "p", { class: "quiet" }, `The page shows the motion of point ${shown}, the nearest that it holds.`);
+  if (shown !== null && shown !== index) html(box, "p", { class: "quiet" }, `The page shows the motion of point ${numberOf(branch, shown)}, the nearest that it holds.`);
   const table = html(html(box, "table"), "tbody");
   for (const [name, value] of facts(branch, index)) {
     const row = html(table, "tr", { class: name.length + value.length > 36 ? "wide" : null });
