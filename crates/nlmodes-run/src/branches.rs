@@ -69,7 +69,7 @@ pub fn run_sharing(
     }
     // Of a scene with several methods all lay the same over.
     let first = scenes.first().ok_or(RunError::NoScene)?;
-    let laid = overlay::laid_over(first, &first.scene.overlays, observer)?;
+    let laid = overlay::laid_over(first, &first.scene.overlays, &overlay::MODES, observer)?;
     let claim = Claim::of_scenes(&scenes, over, observer)?;
     let of = scenes.len();
     let mut files = Vec::new();
@@ -255,7 +255,7 @@ pub(crate) fn check(file: &SceneFile, observer: &mut dyn Observer) -> Result<Che
     if file.scene.transient.is_some() {
         return crate::transient::check(file, observer);
     }
-    overlay::laid_over(file, &file.scene.overlays, observer)?;
+    overlay::laid_over(file, &file.scene.overlays, &overlay::MODES, observer)?;
     let Models { massless, open, state, .. } = models(file)?;
     doubts::tell(&file.scene, open.as_ref(), observer);
     refusal::unless_branch(file, open.as_ref())?;

@@ -14,7 +14,7 @@ pub(crate) use compared::Overlaid;
 pub(crate) use curves::{LaidCurve, curves};
 pub use differences::{Difference, Equal, at_equal_frequency, differences};
 pub use read::{Laid, OverlayError, read};
-pub(crate) use read::{contacts_beside, contacts_of, read_with_unused};
+pub(crate) use read::{MODES, OF_TESTS, contacts_beside, contacts_of, read_with_unused};
 pub(crate) use said::{by, percent};
 pub use said::{sentence, sentence_at_equal_frequency, table};
 pub use stops::{StopChange, changes, lines, stops_table};
@@ -28,16 +28,17 @@ use nlmodes_scene::scene::Overlay;
 
 use crate::{Observer, RunError, refusal};
 
-/// What is laid over the results of a scene; of how many rows nothing is used, goes to the observer.
+/// What is laid over the results of a scene, of responses a curve of the first of these kinds; of how many rows nothing is used, goes to the observer.
 ///
 /// # Errors
 /// [`RunError`] at the overlay that cannot be read.
 pub(crate) fn laid_over<S>(
     file: &SceneFile<S>,
     overlays: &[Overlay],
+    kinds: &[&str],
     observer: &mut dyn Observer,
 ) -> Result<Vec<Laid>, RunError> {
-    read_all(file, overlays, observer, read_with_unused)
+    read_all(file, overlays, observer, |overlay| read_with_unused(overlay, kinds))
 }
 
 /// The same, each read in this way.

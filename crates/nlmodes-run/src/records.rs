@@ -74,7 +74,7 @@ pub fn extract(
     // Before anything else: earlier results say nothing about files that are not there.
     files_are_there(file)?;
     links::refuse(&file.scene.output_directory)?;
-    let laid = overlay::laid_over(file, &file.scene.overlays, observer)?;
+    let laid = overlay::laid_over(file, &file.scene.overlays, &overlay::OF_TESTS, observer)?;
     let claim = claim(file, over, observer)?;
     let scene = with_modes(file)?;
     let outcomes = read_all(file, &scene)?;
@@ -187,7 +187,7 @@ fn with_modes(file: &SceneFile<RecordScene>) -> Result<RecordScene, RunError> {
 /// [`RunError::Scene`] with each that is not, at its place in the scene.
 pub(crate) fn check(file: &SceneFile<RecordScene>, observer: &mut dyn Observer) -> Result<(), RunError> {
     files_are_there(file)?;
-    overlay::laid_over(file, &file.scene.overlays, observer).map(drop)
+    overlay::laid_over(file, &file.scene.overlays, &overlay::OF_TESTS, observer).map(drop)
 }
 
 /// Whether all files of the scene are there, of kinds that can be read.

@@ -54,7 +54,7 @@ pub fn run(file: &SceneFile<TestScene>, over: Over, observer: &mut dyn Observer)
     let (scene, began) = (&file.scene, Instant::now());
     let directory = &scene.output_directory;
     links::refuse(directory)?;
-    let laid = overlay::laid_over(file, &scene.overlays, observer)?;
+    let laid = overlay::laid_over(file, &scene.overlays, &overlay::OF_TESTS, observer)?;
     let claim = claim(file, over, observer)?;
     let (rig, test) = prepared(file)?;
     if over == Over::Resumed {
@@ -106,7 +106,7 @@ fn warn(scene: &TestScene, test: &VirtualTest, observer: &mut dyn Observer) {
 /// # Errors
 /// [`RunError`] that says why it would not.
 pub fn check(file: &SceneFile<TestScene>, observer: &mut dyn Observer) -> Result<(), RunError> {
-    overlay::laid_over(file, &file.scene.overlays, observer)?;
+    overlay::laid_over(file, &file.scene.overlays, &overlay::OF_TESTS, observer)?;
     prepared(file).map(drop)
 }
 

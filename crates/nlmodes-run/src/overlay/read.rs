@@ -16,8 +16,10 @@ pub(super) const TABLES: [&str; 2] = ["branch.csv", "modal_points.csv"];
 const CONTACTS: &str = "contacts.csv";
 /// Findings of records of vibrations that are no steady ones.
 const UNSETTLED: [&str; 4] = ["not-locked", "frequency-drift", "amplitude-drift", "aperiodic"];
-/// Kinds of responses that are modes.
-const MODES: [&str; 2] = ["mode", "damped-mode"];
+/// Kinds of responses that are laid over modes, and over tests, which follow phase resonances, those that count first
+/// first.
+pub(crate) const MODES: [&str; 2] = ["mode", "damped-mode"];
+pub(crate) const OF_TESTS: [&str; 3] = ["phase-resonance", "damped-mode", "mode"];
 /// Most rows that are read.
 const MOST_ROWS: usize = 1_000_000;
 
@@ -102,40 +104,37 @@ impl Points {
     }
 }
 
-/// Reads what is laid over.
+/// Reads what is laid over modes.
 ///
 /// # Errors
 /// [`OverlayError`].
 pub fn read(overlay: &Overlay) -> Result<Laid, OverlayError> {
-    read_with_unused(overlay).map(|(laid, _)| laid)
+    read_with_unused(overlay, &MODES).map(|(laid, _)| laid)
 }
 
-/// The same with the rows that are not used.
+/// Reads what is laid over, of a table of responses the first curve of the first of these kinds that it has; with the
+/// rows that are not used.
 ///
 /// # Errors
 /// [`OverlayError`].
-pub(crate) fn read_with_unused(overlay: &Overlay) -> Result<(Laid, Unused), OverlayError> {
+pub(crate) fn read_with_unused(overlay: &Overlay, kinds: &[&str]) -> Result<(Laid, Unused), OverlayError> {
     let path = table(&overlay.path)?;
     let mut table = Points::open(path.clone(), ["energy_j", "modal_amplitude"], "modal_amplitude or energy_j")?;
-    // A table of responses: of it a mode has a place beside modes, one curve of it.
     let of_responses = ["kind", "response", "curve"].map(|name| table.sheet.column(name));
-    let (mut first, mut loads) = (None, 0);
+    let mut loads = 0;
     let (number, findings) = (table.sheet.column("point"), table.sheet.column("findings"));
     let mut contacts = contacts_beside(&path)?;
-    let (mut points, mut unsettled) = (Vec::new(), Vec::new());
+    let mut all = Vec::new();
     while let Some(row) = table.row()? {
+        let mut curve_of = None;
         if let [Some(_), Some(_), Some(_)] = of_responses {
             let [kind, response, curve] = of_responses.map(|column| row.text(column));
-            if !MODES.contains(&kind) {
+            let Some(rank) = kinds.iter().position(|own| *own == kind) else {
                 loads += 1;
                 table.unused.add("of responses to loads", row.line);
                 continue;
-            }
-            let of = (response.to_owned(), curve.to_owned());
-            if *first.get_or_insert_with(|| of.clone()) != of {
-                table.unused.add("of other curves than the first mode", row.line);
-                continue;
-            }
+            };
+            curve_of = Some((rank, response.to_owned(), curve.to_owned()));
         }
         let beside = row.text(number).parse::<usize>().ok().and_then(|number| contacts.remove(&number));
         let is_settled = !row.text(findings).split_whitespace().any(|name| UNSETTLED.contains(&name));
@@ -143,8 +142,16 @@ pub(crate) fn read_with_unused(overlay: &Overlay) -> Result<(Laid, Unused), Over
         if read.energy_j.is_nan() && read.modal_amplitude.is_nan() {
             table.unused.add("with neither an amplitude nor an energy", row.line);
         } else {
-            let points = if is_settled { &mut points } else { &mut unsettled };
-            points.push(read.point(beside.unwrap_or_default()));
+            all.push((curve_of, row.line, is_settled, read.point(beside.unwrap_or_default())));
+        }
+    }
+    let first = all.iter().filter_map(|(of, ..)| of.as_ref()).min_by_key(|(rank, ..)| *rank).cloned();
+    let (mut points, mut unsettled) = (Vec::new(), Vec::new());
+    for (of, line, is_settled, point) in all {
+        match is_settled {
+            _ if of != first => table.unused.add("of other curves than the first mode", line),
+            true => points.push(point),
+            false => unsettled.push(point),
         }
     }
     let label = match (points.len(), unsettled.len()) {
