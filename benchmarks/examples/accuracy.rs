@@ -8,10 +8,7 @@ use nlmodes::branches::{BranchError, BranchSettings, BranchStart, StabilityRule,
 use nlmodes::contact::solver_by_name;
 use nlmodes::continuation::{Continuation, ParametricSystem};
 use nlmodes::fem::MassMatrix;
-use nlmodes::hbm::{
-    CondensedStructure, MixedShooting, MixedShootingSettings, RealSeries, Switching, Symmetry, TruncationEstimator,
-    grazing,
-};
+use nlmodes::hbm::{CondensedStructure, PeriodicSettings, RealSeries, Symmetry, TruncationEstimator, grazing};
 use nlmodes::modal::ModalPoint;
 use nlmodes::model::MasslessContactModel;
 use nlmodes::timestep::{ContactDynamics, GalerkinReduction, Shooting, ShootingScales};
@@ -69,22 +66,22 @@ struct Solution {
     tangent: Vec<f64>,
 }
 
-fn settings(harmonics: usize) -> MixedShootingSettings {
-    MixedShootingSettings { harmonics, symmetry: Symmetry::Even, switching: Switching::Exact }
+fn settings(harmonics: usize) -> (PeriodicSettings, Symmetry) {
+    (PeriodicSettings { harmonics, ..PeriodicSettings::default() }, Symmetry::Even)
 }
 
 /// Newton's method with the parameter kept.
 fn settle(structure: &CondensedStructure, harmonics: usize, from: &Solution) -> Option<(Solution, ModalPoint)> {
     let start = grazing(structure, 1).ok()?;
     let solver = solver_by_name("active-set").ok()?;
-    let mut problem = MixedShooting::new(structure, settings(harmonics), start.scales(), solver.as_ref()).ok()?;
+    let mut problem = structure.conservative_mode(settings(harmonics), start.scales(), solver.as_ref()).ok()?;
     let x = problem.resized(&from.x, from.series);
     let mut across = vec![0.0; problem.dim() + 1];
     across[problem.dim()] = 1.0;
     let method = Continuation { max_points: 1, ..Continuation::default() };
     let branch = method.run(&mut problem, &x, from.p, &across, |_| ControlFlow::Continue(())).ok()?;
     let point = branch.points.into_iter().next()?;
-    let modal = problem.modal_point(&point.x, point.residual).ok()?;
+    let modal = structure.modal_point(&mut problem, &point.x, point.residual).ok()?;
     Some((Solution { series: problem.series(), x: point.x, p: point.p, tangent: point.tangent }, modal))
 }
 

@@ -7,7 +7,7 @@ use nlmodes::branches::{BranchSettings, ResonanceRule, StabilityRule, compute_br
 use nlmodes::contact::{LcpMatrix, Mat, SeriesSolution, Start, solver_by_name};
 use nlmodes::continuation::{Linearization, ParametricSystem};
 use nlmodes::fem::MassMatrix;
-use nlmodes::hbm::{CondensedStructure, MixedShooting, MixedShootingSettings, Switching, Symmetry, grazing};
+use nlmodes::hbm::{CondensedStructure, PeriodicSettings, PeriodicSystem, Switching, Symmetry, grazing};
 use nlmodes::linalg::{DenseLu, lowest_modes};
 use nlmodes::model::MasslessContactModel;
 
@@ -77,23 +77,25 @@ pub fn residual(modes: usize, harmonics: usize) -> Result<Kernel, Failure> {
 }
 
 fn residual_of(model: MasslessContactModel, harmonics: usize) -> Result<Kernel, Failure> {
-    let (mut problem, x) = problem(model, harmonics)?;
+    let (_, mut problem, x) = problem(model, harmonics)?;
     let mut out = Linearization::new(problem.dim());
     Ok(Box::new(move || problem.linearize(black_box(&x), 0.5, &mut out).unwrap_or_else(|e| panic!("{e}"))))
 }
 
-/// The periodic problem of the model and unknowns with contact. The structure is leaked: a kernel lives as long as its
-/// program.
-fn problem(model: MasslessContactModel, harmonics: usize) -> Result<(MixedShooting<'static>, Vec<f64>), Failure> {
-    let structure: &'static CondensedStructure = Box::leak(Box::new(CondensedStructure::new(model, usize::MAX)?));
-    let start = grazing(structure, 1)?;
-    let settings = MixedShootingSettings { harmonics, symmetry: Symmetry::Even, switching: Switching::Exact };
-    let problem = MixedShooting::new(structure, settings, start.scales(), solver_by_name("active-set")?.as_ref())?;
+/// The reduced model, its periodic problem, and unknowns with contact.
+fn problem(
+    model: MasslessContactModel,
+    harmonics: usize,
+) -> Result<(CondensedStructure, PeriodicSystem, Vec<f64>), Failure> {
+    let structure = CondensedStructure::new(model, usize::MAX)?;
+    let start = grazing(&structure, 1)?;
+    let settings = (PeriodicSettings { harmonics, ..PeriodicSettings::default() }, Symmetry::Even);
+    let problem = structure.conservative_mode(settings, start.scales(), solver_by_name("active-set")?.as_ref())?;
     let (mut x, _) = problem.start(&start);
     // The gap of the stop opens in the mean, and closes once a period.
     x[0] += 0.2;
     x[1] -= 0.4;
-    Ok((problem, x))
+    Ok((structure, problem, x))
 }
 
 /// Residual, Jacobian, factors of the bordered matrix, and the Newton step.
@@ -101,7 +103,7 @@ fn problem(model: MasslessContactModel, harmonics: usize) -> Result<(MixedShooti
 /// # Errors
 /// None, with positive numbers.
 pub fn corrector_step(modes: usize, harmonics: usize) -> Result<Kernel, Failure> {
-    let (mut problem, x) = problem(rod(modes + 1, MassMatrix::Consistent)?, harmonics)?;
+    let (_, mut problem, x) = problem(rod(modes + 1, MassMatrix::Consistent)?, harmonics)?;
     let n = problem.dim();
     let mut out = Linearization::new(n);
     let (mut bordered, mut lu, mut step) = (Mat::<f64>::zeros(n + 1, n + 1), DenseLu::default(), vec![0.0; n + 1]);
@@ -119,9 +121,9 @@ pub fn corrector_step(modes: usize, harmonics: usize) -> Result<Kernel, Failure>
 }
 
 fn modal_point() -> Result<Kernel, Failure> {
-    let (mut problem, x) = problem(rod(100, MassMatrix::Consistent)?, 20)?;
+    let (structure, mut problem, x) = problem(rod(100, MassMatrix::Consistent)?, 20)?;
     Ok(Box::new(move || {
-        black_box(problem.modal_point(black_box(&x), 0.0).unwrap_or_else(|e| panic!("{e}")));
+        black_box(structure.modal_point(&mut problem, black_box(&x), 0.0).unwrap_or_else(|e| panic!("{e}")));
     }))
 }
 

@@ -308,7 +308,7 @@ fn measure(
     let (mut m, found) = errors(structure, reference, setting, starts)?;
     if let Some(there) = found.last().filter(|_| m.displacement.is_finite()) {
         let mut problem = problem(structure, setting.harmonics, setting.switching, setting.solver)?;
-        let frequency = problem.frequency_index();
+        let frequency = problem.n_coefficients();
         let (time, timed, off) = timed(&mut problem, there, frequency, frequency);
         (m.time, m.iterations, m.off) = (time, timed.iterations, off);
     }
@@ -325,7 +325,7 @@ pub fn errors(
 ) -> Result<(Measurement, Vec<Vec<f64>>), Failure> {
     let Setting { method, harmonics, switching, solver } = *setting;
     let mut problem = problem(structure, harmonics, switching, solver)?;
-    let (n, frequency) = (problem.dim(), problem.frequency_index());
+    let (n, frequency) = (problem.dim(), problem.n_coefficients());
     let nothing = f64::NAN;
     let mut m = Measurement {
         method,
@@ -346,10 +346,11 @@ pub fn errors(
         let there = search(&mut problem, &guess, n);
         let error = (problem.omega(&there.z[..n]) / reference.omega - 1.0).abs();
         let better = error < if m.frequency.is_nan() { ANOTHER.1 } else { m.frequency };
-        if there.residual >= FOUND || !better || problem.modal_point(&there.z[..n], 0.0).is_err() {
+        if there.residual >= FOUND || !better {
             continue;
         }
-        let mean_force: f64 = problem.mean_forces().iter().sum();
+        let Ok(point) = structure.modal_point(&mut problem, &there.z[..n], 0.0) else { continue };
+        let mean_force: f64 = point.contacts.iter().map(|contact| contact.mean_force).sum();
         m.frequency = error;
         m.mean_force = (mean_force / reference.mean_force - 1.0).abs();
         m.residual = there.residual;
@@ -363,10 +364,10 @@ pub fn errors(
         let mut guess = z.clone();
         guess[frequency] *= reference.omega / problem.omega(&z[..n]);
         let there = search(&mut problem, &guess, frequency);
-        if there.residual >= FOUND || problem.modal_point(&there.z[..n], 0.0).is_err() {
+        if there.residual >= FOUND || structure.modal_point(&mut problem, &there.z[..n], 0.0).is_err() {
             continue;
         }
-        let error = displacement_error(&mut problem, &there.z[..n], method, reference)?;
+        let error = displacement_error((structure, &mut problem), &there.z[..n], method, reference)?;
         if error < if m.displacement.is_nan() { ANOTHER.0 } else { m.displacement } {
             (m.displacement, residual) = (error, there.residual);
             at_frequency = Some(there.z);
@@ -380,18 +381,18 @@ pub fn errors(
 }
 
 fn displacement_error(
-    problem: &mut nlmodes::hbm::MixedShooting,
+    (structure, problem): (&CondensedStructure, &mut nlmodes::hbm::PeriodicSystem),
     x: &[f64],
     method: Method,
     reference: &Reference,
 ) -> Result<f64, Failure> {
     if let Method::HarmonicBalance { .. } = method {
         // The contact node itself, not the tip of the spring.
-        let point = problem.modal_point(x, 0.0)?;
+        let point = structure.modal_point(problem, x, 0.0)?;
         let dof = reference.model.contacts()[0].dof;
         let phase = |j: usize| std::f64::consts::TAU * j as f64 / INSTANTS as f64;
         return Ok(reference.displacement_error(|j| point.coefficients.value(dof, phase(j))));
     }
-    let history = problem.time_history(x, 0, INSTANTS, "")?;
+    let history = problem.equidistant_histories(x, structure.model().contacts(), INSTANTS, "")?.swap_remove(0);
     Ok(reference.displacement_error(|j| history.displacement[j]))
 }

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use nlmodes::branches::{BranchSettings, BranchStart, compute_branch};
 use nlmodes::contact::solver_by_name;
 use nlmodes::continuation::ParametricSystem;
-use nlmodes::hbm::{CondensedStructure, Grazing, MixedShooting, MixedShootingSettings, Switching, Symmetry, grazing};
+use nlmodes::hbm::{CondensedStructure, Grazing, PeriodicSettings, PeriodicSystem, Switching, Symmetry, grazing};
 use nlmodes::linalg::{DenseLu, Mat};
 use nlmodes::model::{Drop, MasslessContactModel};
 use nlmodes::timestep::{ClosedInterval, ContactDynamics, Floquet, PeriodicMotion, Shooting, ShootingScales};
@@ -66,12 +66,12 @@ impl Reference {
     ) -> Result<Self, Failure> {
         let mut problem = problem(structure, harmonics, Switching::Exact, "active-set")?;
         let guess = resized(z, width, harmonics, structure.n_contact_dofs());
-        let (n, fixed) = (problem.dim(), problem.frequency_index());
+        let (n, fixed) = (problem.dim(), problem.n_coefficients());
         let found = search(&mut problem, &guess, fixed);
         if found.residual > FOUND {
             return Err(format!("{harmonics} harmonics: residual {:.1e}", found.residual).into());
         }
-        let point = problem.modal_point(&found.z[..n], 0.0)?;
+        let point = structure.modal_point(&mut problem, &found.z[..n], 0.0)?;
         let dynamics = ContactDynamics::new(structure.model().clone())?;
         let state = dynamics.state_of_harmonics(&point.coefficients, point.omega, 0.0)?;
         let mut shooting = Shooting::new(dynamics, ShootingScales { omega: start.omega, energy: start.energy })?;
@@ -213,15 +213,15 @@ fn free_position(model: &MasslessContactModel, k_nn: &DenseLu, q: &[f64]) -> Vec
 }
 
 /// The periodic problem of a structure.
-pub fn problem<'s>(
-    structure: &'s CondensedStructure,
+pub fn problem(
+    structure: &CondensedStructure,
     harmonics: usize,
     switching: Switching,
     solver: &str,
-) -> Result<MixedShooting<'s>, Failure> {
-    let settings = MixedShootingSettings { harmonics, symmetry: Symmetry::Even, switching };
+) -> Result<PeriodicSystem, Failure> {
+    let settings = (PeriodicSettings { harmonics, switching, ..PeriodicSettings::default() }, Symmetry::Even);
     let scales = grazing(structure, 1)?.scales();
-    Ok(MixedShooting::new(structure, settings, scales, solver_by_name(solver)?.as_ref())?)
+    Ok(structure.conservative_mode(settings, scales, solver_by_name(solver)?.as_ref())?)
 }
 
 /// Unknowns and parameter on the backbone at the frequency `hz`.

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 
 use nlmodes::continuation::ParametricSystem;
 use nlmodes::continuation::{Bound, Branch, Continuation};
-use nlmodes::hbm::{CondensedStructure, Grazing, MixedShooting, MixedShootingSettings, Switching, Symmetry, grazing};
+use nlmodes::hbm::{CondensedStructure, Grazing, PeriodicSettings, PeriodicSystem, Symmetry, grazing};
 use nlmodes::linalg::{Triplet, sparse_from_triplets};
 use nlmodes::model::{Contact, Dof, DofKind, Drop, MasslessContactModel, StructuralModel};
 use nlmodes_contact::solver_by_name;
@@ -117,20 +117,20 @@ pub fn with_tips(model: &StructuralModel) -> Result<CondensedStructure, Failure>
 }
 
 /// A periodic problem about the linear mode that just touches.
-pub fn mode<'s>(
-    structure: &'s CondensedStructure,
+pub fn mode(
+    structure: &CondensedStructure,
     mode: usize,
     harmonics: usize,
     symmetry: Symmetry,
-) -> Result<(MixedShooting<'s>, Grazing), Failure> {
+) -> Result<(PeriodicSystem, Grazing), Failure> {
     let start = grazing(structure, mode)?;
-    let settings = MixedShootingSettings { harmonics, symmetry, switching: Switching::Exact };
+    let settings = (PeriodicSettings { harmonics, ..PeriodicSettings::default() }, symmetry);
     let solver = solver_by_name("active-set")?;
-    Ok((MixedShooting::new(structure, settings, start.scales(), solver.as_ref())?, start))
+    Ok((structure.conservative_mode(settings, start.scales(), solver.as_ref())?, start))
 }
 
 /// The branch from grazing to this averaged kinetic energy, J.
-pub fn follow(problem: &mut MixedShooting, start: &Grazing, energy: f64) -> Result<Branch, Failure> {
+pub fn follow(problem: &mut PeriodicSystem, start: &Grazing, energy: f64) -> Result<Branch, Failure> {
     let (n, to) = (problem.dim(), (energy / start.energy).ln());
     let (x, direction) = problem.start(start);
     let bounds = vec![Bound { coordinate: n, min: -1.0, max: to }];
@@ -154,7 +154,7 @@ pub fn at_energy(
     let (mut problem, start) = mode(structure, number, harmonics, Symmetry::Even)?;
     let branch = follow(&mut problem, &start, energy)?;
     let last = branch.points.last().ok_or("no points")?;
-    Ok(problem.modal_point(&last.x, last.residual)?)
+    Ok(structure.modal_point(&mut problem, &last.x, last.residual)?)
 }
 
 /// `m ẍ + k x + k_s max(x − g, 0) = 0` with the largest displacement `top`, or with the same stop on the other side as

@@ -14,7 +14,7 @@ use std::ops::ControlFlow;
 
 use nlmodes_contact::solver_by_name;
 use nlmodes_continuation::{Bound, Continuation, ParametricSystem};
-use nlmodes_hbm::{CondensedStructure, MixedShooting, MixedShootingSettings, Switching, Symmetry, grazing};
+use nlmodes_hbm::{CondensedStructure, PeriodicSettings, Symmetry, grazing};
 use nlmodes_linalg::sparse_from_triplets;
 use nlmodes_modal::ModalPoint;
 use nlmodes_model::{Contact, Dof, DofKind, Drop, MasslessContactModel, Side, StructuralModel};
@@ -37,15 +37,15 @@ fn structure() -> Result<CondensedStructure, Box<dyn Error>> {
 fn branch(harmonics: usize) -> Result<Vec<ModalPoint>, Box<dyn Error>> {
     let structure = structure()?;
     let start = grazing(&structure, 1)?;
-    let settings = MixedShootingSettings { harmonics, symmetry: Symmetry::Even, switching: Switching::Exact };
+    let settings = (PeriodicSettings { harmonics, ..PeriodicSettings::default() }, Symmetry::Even);
     let solver = solver_by_name("active-set")?;
-    let mut problem = MixedShooting::new(&structure, settings, start.scales(), solver.as_ref())?;
+    let mut problem = structure.conservative_mode(settings, start.scales(), solver.as_ref())?;
     let n = problem.dim();
     let energy = Bound { coordinate: n, min: -1.0, max: 10_f64.ln() };
     let method = Continuation { bounds: vec![energy], ..Continuation::default() };
     let (x, direction) = problem.start(&start);
     let branch = method.run(&mut problem, &x, 0.0, &direction, |_| ControlFlow::Continue(()))?;
-    let points = branch.points.iter().map(|point| problem.modal_point(&point.x, point.residual));
+    let points = branch.points.iter().map(|point| structure.modal_point(&mut problem, &point.x, point.residual));
     Ok(points.collect::<Result<_, _>>()?)
 }
 

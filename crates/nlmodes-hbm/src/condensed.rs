@@ -1,13 +1,16 @@
 use nlmodes_contact::{LcpMatrix, LcpSolver, solver_by_name};
 use nlmodes_linalg::{DenseLu, Mat, max_norm, multiply};
-use nlmodes_modal::HarmonicCoefficients;
+use nlmodes_modal::{HarmonicCoefficients, ModalPoint};
 use nlmodes_model::reduction::{GalerkinReduction, OpenModes, ResponseRows, RestState};
 use nlmodes_model::{ContactCoordinates, MasslessContactModel};
 use num_complex::Complex64;
 
 use crate::closed_set::ClosedSet;
-use crate::periodic::{Coordinates, ModalDamping, ModalStructure, PeriodicSettings, PeriodicSystem};
-use crate::{Grazing, HbmError, MixedShootingSettings, Scales};
+use crate::error::agrees;
+use crate::periodic::{
+    Coordinates, ModalDamping, ModalStructure, OperatingPoint, PeriodicSettings, PeriodicSystem, Scales,
+};
+use crate::{Grazing, HbmError, Symmetry};
 
 /// Most degrees of freedom of which modal points hold all coefficients.
 ///
@@ -166,14 +169,12 @@ impl CondensedStructure {
         motion: &HarmonicCoefficients,
         modes: usize,
     ) -> Result<HarmonicCoefficients, HbmError> {
-        let (expected, found) = (self.model.dofs().len(), motion.n_coordinates());
-        if expected != found {
-            return Err(HbmError::Size { what: "degrees of freedom of a motion", expected, found });
-        }
+        agrees("degrees of freedom of a motion", self.model.dofs().len(), motion.n_coordinates())?;
         let mut modal = HarmonicCoefficients::zeros(modes.min(self.open.n_modes()), motion.n_harmonics());
         for n in 0..=motion.n_harmonics() {
             for (unit, part) in [(Complex64::ONE, 0), (Complex64::I, 1)] {
-                let q: Vec<f64> = (0..found).map(|d| [motion.of(d)[n].re, motion.of(d)[n].im][part]).collect();
+                let q: Vec<f64> =
+                    (0..motion.n_coordinates()).map(|d| [motion.of(d)[n].re, motion.of(d)[n].im][part]).collect();
                 let reduced =
                     self.reduction.as_ref().map(|reduction| Ok::<_, HbmError>((reduction, reduction.project(&q)?)));
                 let inertia = match reduced.transpose()? {
@@ -287,18 +288,59 @@ impl CondensedStructure {
         Ok(rest)
     }
 
-    /// The equations of its conservative modes, in the motions of the contacts where these are few, else in modal
-    /// coordinates.
-    pub(crate) fn conservative_mode(
+    /// Mixed shooting-harmonic balance with massless contacts, eqs. (6)-(16): the equations of a conservative mode.
+    ///
+    /// Unknowns are the coefficients of `b(t)`, the position that the massless contact nodes would have without stops,
+    /// seen along the contacts, or of the modal coordinates where these are fewer, and the frequency; the parameter is
+    /// `p = ln(E_av/E_ref)`. For given `b` the static contact problem (11), (13) gives `λ(t)` at each instant, and the
+    /// equations are
+    ///
+    /// ```text
+    /// b_n = Y (Ω² − n²ω²)⁻¹ Yᵀ 𝓕_n(λ(t)) ,  n = 0 … N_h    connectivity (14) through eq. (8), in a form without poles
+    /// ln(E_av(ω, b)/E_ref) − p = 0                        energy condition of (16)
+    /// ```
+    ///
+    /// The paper iterates on `q_N,n` instead, eq. (15); the solutions are the same, with `q_N = b + K_NN⁻¹ W λ`. But
+    /// `q_N,n` vanishes where `nω` meets an eigenfrequency of the structure with its contacts held, and cannot tell
+    /// solutions apart there; `b_n` does, for `q_N(t)` is a function of `b(t)`, not the other way round.
+    ///
+    /// With [`Symmetry::Even`] this is square. With [`Symmetry::None`] the phase is free: the phase of the last
+    /// accepted point is held, [`PhaseCondition`](crate::PhaseCondition), and with it comes a negative damping `ξ` as
+    /// an unknown; on a solution of a conservative system it vanishes.
+    ///
+    /// Unknown vector: `b/length` (one direction of the contacts after the other, [`RealSeries`](crate::RealSeries)),
+    /// `ω/omega`, and `ξ/omega`. Which coordinates are the unknowns is chosen, whatever the settings say.
+    ///
+    /// # Errors
+    /// [`HbmError::Harmonics`], [`HbmError::Samples`], or what the contact solver has against the compliance.
+    pub fn conservative_mode(
         &self,
-        settings: MixedShootingSettings,
+        (settings, symmetry): (PeriodicSettings, Symmetry),
         scales: Scales,
         solver: &dyn LcpSolver,
     ) -> Result<PeriodicSystem, HbmError> {
-        let MixedShootingSettings { harmonics, symmetry, switching } = settings;
-        let coordinates = Coordinates::of_few_contacts(&self.modal);
-        let settings = PeriodicSettings { harmonics, switching, coordinates };
+        let settings = PeriodicSettings { coordinates: Coordinates::of_few_contacts(&self.modal), ..settings };
         PeriodicSystem::conservative_mode(&self.modal, symmetry, settings, scales, solver)
+    }
+
+    /// The point with the unknowns `x` of such a mode, with its modal quantities.
+    ///
+    /// # Errors
+    /// [`HbmError`] if the contact problem has no solution there.
+    pub fn modal_point(&self, mode: &mut PeriodicSystem, x: &[f64], residual: f64) -> Result<ModalPoint, HbmError> {
+        let first = self.model.contacts().first().and_then(|first| self.recorded_index(first.dof));
+        mode.modal_point(x, &self.rows, first.unwrap_or(0), residual)
+    }
+
+    /// Displacements `q_N,n = b_n + K_NN⁻¹ W λ_n` of the contact coordinates in harmonic `n` of the motion that such a
+    /// mode solved last.
+    pub(crate) fn contact_coordinates(&self, mode: &PeriodicSystem, n: usize, at: OperatingPoint) -> Vec<Complex64> {
+        let (eta, forces) = (mode.modal_coordinates(n, at), mode.forces_of_harmonic(n));
+        let along = |row: &Mat<f64>, d: usize, z: &[Complex64]| {
+            z.iter().enumerate().map(|(k, z)| z * row[(d, k)]).sum::<Complex64>()
+        };
+        let of = |d: usize| along(&self.follow, d, &eta) + along(&self.pressed, d, &forces);
+        (0..self.n_contact_dofs()).map(of).collect()
     }
 }
 

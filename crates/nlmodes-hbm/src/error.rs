@@ -212,6 +212,11 @@ pub enum HbmError {
     Basis(#[from] ModalError),
 }
 
+/// That there are as many of something as expected.
+pub(crate) fn agrees(what: &'static str, expected: usize, found: usize) -> Result<(), HbmError> {
+    if found == expected { Ok(()) } else { Err(HbmError::Size { what, expected, found }) }
+}
+
 impl From<ReductionError> for HbmError {
     fn from(error: ReductionError) -> Self {
         match error {

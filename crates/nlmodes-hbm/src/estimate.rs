@@ -6,7 +6,7 @@ use num_complex::Complex64;
 use crate::periodic::{Load, LoadTerm, Source};
 use crate::series::RealSeries;
 use crate::trigonometric::inner;
-use crate::{CondensedStructure, HbmError, MixedShooting, MixedShootingSettings, Scales};
+use crate::{CondensedStructure, HbmError, PeriodicSettings, PeriodicSystem, Scales, Symmetry};
 
 /// Frequency over that of the highest held mode up to which harmonics can be resonant, for contacts stiffen; and where
 /// modes are left out, up to which the terms that represent these hold.
@@ -16,7 +16,8 @@ const MARGIN: (f64, f64) = (1.2, 0.5);
 /// milliseconds.
 const FURTHEST: usize = 300;
 
-/// Estimated errors of a solution of [`MixedShooting`] that come from what its series leave out.
+/// Estimated errors of a [conservative mode](CondensedStructure::conservative_mode) that come from what its series
+/// leave out.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TruncationError {
     /// Relative error of the frequency at the same averaged kinetic energy; where energy or frequency hardly change
@@ -57,7 +58,7 @@ impl TruncationError {
 pub struct TruncationEstimator<'s> {
     structure: &'s CondensedStructure,
     coarse: RealSeries,
-    fine: MixedShooting<'s>,
+    fine: PeriodicSystem,
     at: Linearization,
     bordered: Mat<f64>,
     lu: DenseLu,
@@ -71,10 +72,10 @@ impl<'s> TruncationEstimator<'s> {
     /// counts.
     ///
     /// # Errors
-    /// As [`MixedShooting::new`].
+    /// As [`CondensedStructure::conservative_mode`].
     pub fn new(
         structure: &'s CondensedStructure,
-        settings: MixedShootingSettings,
+        settings: (PeriodicSettings, Symmetry),
         scales: Scales,
         solver: &dyn LcpSolver,
     ) -> Result<Self, HbmError> {
@@ -92,20 +93,22 @@ impl<'s> TruncationEstimator<'s> {
     /// With fewer than the highest held mode takes, an internal resonance beyond them stays unseen.
     ///
     /// # Errors
-    /// As [`MixedShooting::new`].
+    /// As [`CondensedStructure::conservative_mode`].
     pub fn reaching(
         structure: &'s CondensedStructure,
-        settings: MixedShootingSettings,
+        settings: (PeriodicSettings, Symmetry),
         harmonics: usize,
         scales: Scales,
         solver: &dyn LcpSolver,
     ) -> Result<Self, HbmError> {
-        let coarse = RealSeries { symmetry: settings.symmetry, n_harmonics: settings.harmonics };
+        let (settings, symmetry) = settings;
+        let coarse = RealSeries { symmetry, n_harmonics: settings.harmonics };
         let harmonics = harmonics.max(2 * settings.harmonics + 1).max(settings.harmonics + 6);
-        let mut fine = MixedShooting::new(structure, MixedShootingSettings { harmonics, ..settings }, scales, solver)?;
+        let finer = (PeriodicSettings { harmonics, ..settings }, symmetry);
+        let mut fine = structure.conservative_mode(finer, scales, solver)?;
         if !structure.has_all_modes() {
             // What is left out is a load, beside which rows have the signs of motions of any phase.
-            fine.system.response.take_any_phase();
+            fine.response.take_any_phase();
         }
         let n = fine.dim();
         let (at, bordered) = (Linearization::new(n), Mat::zeros(n + 1, n + 1));
@@ -126,7 +129,7 @@ impl<'s> TruncationEstimator<'s> {
         let harmonics = self.step(&z, p, &tangent)?;
         let frequency = self.across(&harmonics, &z, &tangent);
         let held_modes = self.held_modes(&z, p, &tangent)?;
-        let coefficients = self.fine.frequency_index();
+        let coefficients = self.fine.n_coefficients();
         let length = |v: &[f64]| self.mean_square(&v[..coefficients]).sqrt();
         let motion = length(&harmonics) / length(&z).max(f64::MIN_POSITIVE);
         let harmonics = frequency.abs().max(motion * motion);
@@ -157,18 +160,18 @@ impl<'s> TruncationEstimator<'s> {
         if self.structure.has_all_modes() {
             return Some(0.0);
         }
-        let at = self.fine.system.operating_point(z, p);
+        let at = self.fine.operating_point(z, p);
         let (mut terms, mut energy) = (Vec::new(), 0.0);
         for harmonic in 1..=self.fine.series().n_harmonics {
             let nu4 = (harmonic as f64 * at.omega).powi(4);
-            let q = self.fine.contact_coordinates(harmonic, at);
+            let q = self.structure.contact_coordinates(&self.fine, harmonic, at);
             let forces: Vec<Complex64> = self.structure.left_out(&q).into_iter().map(|f| f * nu4).collect();
             let [modal, gaps] = [&self.structure.follow, &self.structure.pressed]
                 .map(|rows| (0..rows.ncols()).map(|k| along(rows, k, &forces)).collect());
             terms.push(LoadTerm { harmonic, omega_power: 0, modal, gaps });
             energy += 0.5 * q.iter().zip(&forces).map(|(q, f)| (q.conj() * f).re).sum::<f64>();
         }
-        let system = &mut self.fine.system;
+        let system = &mut self.fine;
         let load = Load::new(&system.structure, terms).ok()?;
         let before = (std::mem::replace(&mut system.load, load), system.closing.level);
         system.closing.level = Source::Fixed(1.0);
@@ -176,8 +179,8 @@ impl<'s> TruncationEstimator<'s> {
         let found = system.linearize(z, p, &mut self.at);
         (system.load, system.closing.level) = before;
         found.ok()?;
-        let coefficients = self.fine.frequency_index();
-        self.at.residual[coefficients] += energy / self.fine.energy(p);
+        let coefficients = self.fine.n_coefficients();
+        self.at.residual[coefficients] += energy / (self.fine.scales.energy * p.exp());
         self.at.residual.iter_mut().zip(&without).for_each(|(with, without)| *with -= without);
         let change = self.solve();
         let remainder = self.structure.remainder(self.coarse.n_harmonics as f64 * at.omega);
@@ -186,7 +189,7 @@ impl<'s> TruncationEstimator<'s> {
 
     /// Signed distance of `δ` from the tangent in the plane of `ln ω` and the parameter.
     fn across(&self, delta: &[f64], z: &[f64], tangent: &[f64]) -> f64 {
-        let (k, p) = (self.fine.frequency_index(), z.len());
+        let (k, p) = (self.fine.n_coefficients(), z.len());
         let (d_omega, t_omega) = (delta[k] / z[k], tangent[k] / z[k]);
         let length = t_omega.hypot(tangent[p]);
         // Where neither changes along the branch, as on the tip of an internal-resonance branch, every direction is
@@ -261,8 +264,8 @@ mod tests {
     #[test]
     fn the_size_of_a_motion_is_its_mean_square() {
         let (structure, samples) = (chain(5), 64);
-        let (start, symmetry) = (grazing(&structure, 1).unwrap(), crate::Symmetry::Even);
-        let settings = MixedShootingSettings { harmonics: 3, symmetry, switching: crate::Switching::Exact };
+        let (start, symmetry) = (grazing(&structure, 1).unwrap(), Symmetry::Even);
+        let settings = (PeriodicSettings { harmonics: 3, ..PeriodicSettings::default() }, symmetry);
         let solver = nlmodes_contact::solver_by_name("active-set").unwrap();
         let estimator =
             TruncationEstimator::reaching(&structure, settings, 0, start.scales(), solver.as_ref()).unwrap();
@@ -280,12 +283,11 @@ mod tests {
     fn the_distance_from_the_branch_does_not_see_what_lies_along_it() {
         let structure = chain(5);
         let start = grazing(&structure, 1).unwrap();
-        let settings =
-            MixedShootingSettings { harmonics: 3, symmetry: crate::Symmetry::Even, switching: crate::Switching::Exact };
+        let settings = settings(3);
         let solver = nlmodes_contact::solver_by_name("active-set").unwrap();
         let estimator =
             TruncationEstimator::reaching(&structure, settings, 0, start.scales(), solver.as_ref()).unwrap();
-        let (n, k) = (estimator.fine.dim(), estimator.fine.frequency_index());
+        let (n, k) = (estimator.fine.dim(), estimator.fine.n_coefficients());
         let vector = |seed: f64| (0..=n).map(|i| (1.7 * i as f64 + seed).sin()).collect::<Vec<f64>>();
         let (z, delta, mut tangent) = (vector(0.4), vector(2.0), vector(3.3));
         let along = |delta: &[f64], tangent: &[f64], share: f64| {
@@ -305,9 +307,8 @@ mod tests {
         assert!((along(&delta, &tangent, 0.0) - (delta[k] / z[k]).hypot(delta[n])).abs() < 1e-14);
     }
 
-    fn settings(harmonics: usize) -> MixedShootingSettings {
-        let (symmetry, switching) = (crate::Symmetry::Even, crate::Switching::Exact);
-        MixedShootingSettings { harmonics, symmetry, switching }
+    fn settings(harmonics: usize) -> (PeriodicSettings, Symmetry) {
+        (PeriodicSettings { harmonics, ..PeriodicSettings::default() }, Symmetry::Even)
     }
 
     /// Unknowns, tangent and index of the frequency where the branch from grazing has so many times the energy of
@@ -315,7 +316,7 @@ mod tests {
     fn branch(structure: &CondensedStructure, harmonics: usize, ratio: f64) -> (Vec<f64>, Vec<f64>, usize) {
         let start = grazing(structure, 1).unwrap();
         let solver = nlmodes_contact::solver_by_name("active-set").unwrap();
-        let mut problem = MixedShooting::new(structure, settings(harmonics), start.scales(), solver.as_ref()).unwrap();
+        let mut problem = structure.conservative_mode(settings(harmonics), start.scales(), solver.as_ref()).unwrap();
         let (n, p) = (problem.dim(), ratio.ln());
         let (x, direction) = problem.start(&start);
         let bound = nlmodes_continuation::Bound { coordinate: n, min: -3.0, max: p };
@@ -323,7 +324,7 @@ mod tests {
         let run = method.run(&mut problem, &x, 0.0, &direction, |_| std::ops::ControlFlow::Continue(())).unwrap();
         let last = run.points.last().unwrap().clone();
         assert!((last.p - p).abs() < 1e-12);
-        (last.x, last.tangent, problem.frequency_index())
+        (last.x, last.tangent, problem.n_coefficients())
     }
 
     /// Near grazing, where a motion has hardly any harmonics beyond those asked for, the share of the held modes left

@@ -7,7 +7,7 @@ use crate::closed_set::ClosedSet;
 use crate::contact_operator::{ContactOperator, PatternInterval};
 use crate::trigonometric::evaluate;
 use crate::trigonometric::inner;
-use crate::{HbmError, MixedShooting, Symmetry};
+use crate::{HbmError, PeriodicSystem, Symmetry};
 
 /// Largest deviations from what a motion with contact must satisfy, over the samples of a period, in scaled units.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -145,64 +145,14 @@ impl ContactOperator {
     }
 }
 
-impl MixedShooting<'_> {
-    /// Motion and force of contact `contact` over one period of the point with the unknowns `x`, at `samples`
-    /// equidistant instants and the end of the period.
-    ///
-    /// # Errors
-    /// [`HbmError`] if the contact problem has no solution there.
-    ///
-    /// # Panics
-    /// If there is no such contact.
-    pub fn time_history(
-        &mut self,
-        x: &[f64],
-        contact: usize,
-        samples: usize,
-        label: &str,
-    ) -> Result<TimeHistory, HbmError> {
-        Ok(self.equidistant_histories(x, samples, label)?.swap_remove(contact))
-    }
-
-    /// The same of each contact.
-    ///
-    /// # Errors
-    /// [`HbmError`] if the contact problem has no solution there.
-    pub fn equidistant_histories(
-        &mut self,
-        x: &[f64],
-        samples: usize,
-        label: &str,
-    ) -> Result<Vec<TimeHistory>, HbmError> {
-        self.system.equidistant_histories(x, self.structure.model().contacts(), samples, label)
-    }
-
-    /// Motion and force of all contacts over one period of the point with the unknowns `x`, exact at the instants of
-    /// contact: where any of them closes or opens there are two instants, a rounding apart, with what is just before
-    /// and just after. Between them lie equidistant ones, some within the shortest blow too, so that there are
-    /// `samples + 1` in all, or as many more as it takes for 65 beside the changes.
-    ///
-    /// # Errors
-    /// [`HbmError`] if the contact problem has no solution there.
-    pub fn time_histories(&mut self, x: &[f64], samples: usize, label: &str) -> Result<Vec<TimeHistory>, HbmError> {
-        self.system.time_histories(x, self.structure.model().contacts(), samples, label)
-    }
-
-    /// The spans of a period in which each contact is closed at the point with the unknowns `x`, with its force.
-    ///
-    /// # Errors
-    /// [`HbmError`] if the contact problem has no solution there.
-    pub fn closed_spans(&mut self, x: &[f64]) -> Result<Vec<Vec<ClosedSpan>>, HbmError> {
-        self.system.closed_spans(x)
-    }
-
+impl PeriodicSystem {
     /// Largest violations of `0 ≤ g ⊥ λ ≥ 0` over `samples` instants of a period of the point with the unknowns `x`.
     ///
     /// # Errors
     /// [`HbmError`] if the contact problem has no solution there.
     pub fn check_contact(&mut self, x: &[f64], samples: usize) -> Result<ContactDefects, HbmError> {
-        self.solve(x)?;
-        let (a, length, operator) = (self.structure.compliance().a(), self.scales().length, &self.system.operator);
+        self.solve(x, 0.0)?;
+        let (a, length, operator) = (self.structure.compliance().a(), self.scales.length, &self.operator);
         let mut worst = ContactDefects::default();
         for j in 0..samples {
             let tau = TAU * (j as f64 + 0.5) / samples as f64;

@@ -10,20 +10,21 @@
 //! | symbol | meaning | unit | shape | item |
 //! | --- | --- | --- | --- | --- |
 //! | `ω_k²`, `Y` | modes with open contacts, as the gaps see them | rad²/s², 1/√kg | m, c × m | [`ModalStructure`] |
-//! | `b(t)` | where the massless contact nodes would be without stops | m | n_N | [`MixedShooting`] |
+//! | `b(t)` | where the massless contact nodes would be without stops | m | n_N | [`PeriodicSystem`] |
 //! | `q_N(t)` | where they are | m | n_N | |
 //! | `A` | contact compliance `Wᵀ K_NN⁻¹ W` | m/N | c × c | [`CondensedStructure::compliance`] |
 //! | `ω` | angular frequency | rad/s | | |
 //! | `E_av` | averaged kinetic energy | J | | |
 //!
 //! [`CondensedStructure`] reduces a structure once; [`grazing`] gives the linear mode that just touches;
-//! [`MixedShooting`] is the system of equations, with its Jacobian, for `nlmodes-continuation`. One evaluation costs
-//! `modes × N_h × c²` and the contact problems, whatever the size of the finite-element model.
+//! [`CondensedStructure::conservative_mode`] gives the system of equations, with its Jacobian, for
+//! `nlmodes-continuation`. One evaluation costs `modes × N_h × c²` and the contact problems, whatever the size of the
+//! finite-element model.
 //!
 //! ```
 //! use nlmodes_contact::solver_by_name;
 //! use nlmodes_continuation::{Bound, Continuation, ParametricSystem};
-//! use nlmodes_hbm::{CondensedStructure, MixedShooting, MixedShootingSettings, Switching, Symmetry, grazing};
+//! use nlmodes_hbm::{CondensedStructure, PeriodicSettings, Symmetry, grazing};
 //! use nlmodes_linalg::sparse_from_triplets;
 //! use nlmodes_model::{Contact, Dof, DofKind, Drop, MasslessContactModel, Side, StructuralModel};
 //!
@@ -36,8 +37,8 @@
 //! let structure = CondensedStructure::new(MasslessContactModel::new(&model, &Drop)?, 1)?;
 //!
 //! let start = grazing(&structure, 1)?;
-//! let settings = MixedShootingSettings { harmonics: 7, symmetry: Symmetry::Even, switching: Switching::Exact };
-//! let mut problem = MixedShooting::new(&structure, settings, start.scales(), solver_by_name("active-set")?.as_ref())?;
+//! let settings = (PeriodicSettings { harmonics: 7, ..PeriodicSettings::default() }, Symmetry::Even);
+//! let mut problem = structure.conservative_mode(settings, start.scales(), solver_by_name("active-set")?.as_ref())?;
 //! let n = problem.dim();
 //! let (x, direction) = problem.start(&start);
 //! let to_ten_times_the_energy = Bound { coordinate: n, min: -1.0, max: 10_f64.ln() };
@@ -50,7 +51,7 @@
 //!
 //! Main decision: the unknowns are the coefficients of `b`, not those of `q_N` as in eq. (15), because `q_N` vanishes
 //! at the eigenfrequencies of the structure with its contacts held, and eq. (8) is used in a form without poles; see
-//! [`MixedShooting`].
+//! [`CondensedStructure::conservative_mode`].
 //!
 //! Elastic stops, eq. (3), put `1/k_c` on the diagonal of `A`. Conventional harmonic balance, where the contact nodes
 //! keep their mass and move in harmonics, is the same system for the massless tips of the stops' springs, made by
@@ -77,7 +78,6 @@ mod error;
 mod estimate;
 mod history;
 mod ladder;
-mod mixed_shooting;
 mod periodic;
 mod series;
 mod start;
@@ -90,7 +90,6 @@ pub use error::HbmError;
 pub use estimate::{TruncationError, TruncationEstimator};
 pub use history::ContactDefects;
 pub use ladder::{FEW_HARMONICS, harmonics_on_the_way};
-pub use mixed_shooting::{MAX_HARMONICS, MixedShooting, MixedShootingSettings, Scales};
 pub use periodic::{
     Bilinear, Exponential, ForceLaw, HertzStop, LawAtRest, LawForce, ModeStart, PlacedLaw, Polynomial, PowerDamper,
     PowerSpring, TableLaw, UNIT_ENERGY, about_rest_of_law, largest_value, law_length, laws_at_rest, modal_start,
@@ -98,10 +97,10 @@ pub use periodic::{
 };
 pub use periodic::{
     Changes, Closing, ClosingEquation, Column, ContactMotion, Coordinates, DampedStop, EnergyGiven, Floquet,
-    Functional, Grazing, Load, LoadTerm, ManyChanges, ModalDamping, ModalStructure, ModeAtRest, Motion, MotionChange,
-    MotionGradient, Opening, OperatingPoint, PartWeights, PeriodicMotion, PeriodicSettings, PeriodicSystem,
-    PhaseCondition, PhaseLag, Refined, ResponseRow, Source, StructureChange, StructureState, StructureWeights, Watched,
-    modal_grazing, modal_grazing_opened, modal_lift_off_opened,
+    Functional, Grazing, Load, LoadTerm, MAX_HARMONICS, ManyChanges, ModalDamping, ModalStructure, ModeAtRest, Motion,
+    MotionChange, MotionGradient, Opening, OperatingPoint, PartWeights, PeriodicMotion, PeriodicSettings,
+    PeriodicSystem, PhaseCondition, PhaseLag, Refined, ResponseRow, Scales, Source, StructureChange, StructureState,
+    StructureWeights, Watched, modal_grazing, modal_grazing_opened, modal_lift_off_opened,
 };
 pub use series::{RealSeries, Symmetry};
 pub use start::{about_rest, grazing, grazing_opened};

@@ -47,5 +47,5 @@ pub use sensitivity::Opening;
 pub use start::{Grazing, ModeAtRest, modal_grazing, modal_grazing_opened, modal_lift_off_opened};
 pub(crate) use start::{STRAINLESS, unless_touching};
 pub use structure::{ModalStructure, ResponseRow};
-pub use system::{PeriodicSettings, PeriodicSystem};
+pub use system::{MAX_HARMONICS, PeriodicSettings, PeriodicSystem, Scales};
 pub use weights::{PartWeights, StructureWeights};

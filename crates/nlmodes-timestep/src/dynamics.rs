@@ -8,6 +8,7 @@ use nlmodes_modal::HarmonicCoefficients;
 use nlmodes_model::MasslessContactModel;
 use num_complex::Complex64;
 
+use crate::error::{agrees, positive};
 use crate::first_root::first_negative;
 use crate::oscillation::Oscillation;
 use crate::phase::{Coordinates, Phase, dot, transposed_product};
@@ -98,12 +99,8 @@ impl ContactDynamics {
     /// # Errors
     /// [`TimestepError::Dimension`].
     pub fn state(&self, displacement: &[f64], velocity: &[f64]) -> Result<ModalState, TimestepError> {
-        let expected = self.model.dofs().len();
-        for (what, of) in [("displacements", displacement), ("velocities", velocity)] {
-            if of.len() != expected {
-                return Err(TimestepError::Dimension { what, expected, found: of.len() });
-            }
-        }
+        agrees("displacements", self.model.dofs().len(), displacement.len())?;
+        agrees("velocities", self.model.dofs().len(), velocity.len())?;
         let project = |x: &[f64]| transposed_product(&self.open.shapes, &multiply(self.model.mass(), x));
         Ok(ModalState { z: project(displacement), v: project(velocity) })
     }
@@ -207,13 +204,8 @@ impl ContactDynamics {
     /// [`TimestepError::NotPositive`], [`TimestepError::Dimension`], [`TimestepError::Chatter`],
     /// [`TimestepError::Ended`], or errors of the modes of a new set of closed contacts.
     pub fn propagate(&mut self, state: &ModalState, duration: f64) -> Result<Trajectory, TimestepError> {
-        if !(duration.is_finite() && duration > 0.0) {
-            return Err(TimestepError::NotPositive { what: "duration (s)", value: duration });
-        }
-        let (expected, found) = (self.n_modes(), state.z.len().min(state.v.len()));
-        if expected != found {
-            return Err(TimestepError::Dimension { what: "modal coordinates", expected, found });
-        }
+        positive("duration (s)", duration)?;
+        agrees("modal coordinates", self.n_modes(), state.z.len().min(state.v.len()))?;
         if state.z.iter().chain(&state.v).any(|x| !x.is_finite()) {
             return Err(TimestepError::NotFinite { what: "state of the motion" });
         }

@@ -132,6 +132,22 @@ impl TimestepError {
     }
 }
 
+/// That there are as many of something as expected.
+pub(crate) fn agrees(what: &'static str, expected: usize, found: usize) -> Result<(), TimestepError> {
+    if found == expected { Ok(()) } else { Err(TimestepError::Dimension { what, expected, found }) }
+}
+
+/// That there are as many values as expected, all finite.
+pub(crate) fn fits(what: &'static str, expected: usize, values: &[f64]) -> Result<(), TimestepError> {
+    agrees(what, expected, values.len())?;
+    if values.iter().all(|v| v.is_finite()) { Ok(()) } else { Err(TimestepError::NotFinite { what }) }
+}
+
+/// A number that has to be positive.
+pub(crate) fn positive(what: &'static str, value: f64) -> Result<f64, TimestepError> {
+    if value.is_finite() && value > 0.0 { Ok(value) } else { Err(TimestepError::NotPositive { what, value }) }
+}
+
 impl From<ReductionError> for TimestepError {
     fn from(error: ReductionError) -> Self {
         match error {

@@ -28,6 +28,7 @@ use nlmodes_linalg::Mat;
 use num_complex::Complex64;
 
 use crate::TimestepError;
+use crate::error::{agrees, positive};
 
 /// A damped structure with stops under a periodic load, as a linear complementarity system in time.
 ///
@@ -80,16 +81,11 @@ impl ForcedStructure {
         gaps: &[f64],
     ) -> Result<Self, TimestepError> {
         let (m, c) = (omega_squared.len(), gaps.len());
-        let sizes = [
-            ("rows of the modal damping", m, damping.nrows()),
-            ("columns of the modal damping", m, damping.ncols()),
-            ("rows of the contact rows", c, rows.nrows()),
-            ("columns of the contact rows", m, rows.ncols()),
-            ("rows of the compliance", c, compliance.nrows()),
-        ];
-        if let Some(&(what, expected, found)) = sizes.iter().find(|(_, expected, found)| expected != found) {
-            return Err(TimestepError::Dimension { what, expected, found });
-        }
+        agrees("rows of the modal damping", m, damping.nrows())?;
+        agrees("columns of the modal damping", m, damping.ncols())?;
+        agrees("rows of the contact rows", c, rows.nrows())?;
+        agrees("columns of the contact rows", m, rows.ncols())?;
+        agrees("rows of the compliance", c, compliance.nrows())?;
         let numbers = [
             ("squared frequencies", omega_squared.iter().all(|v| v.is_finite())),
             ("modal damping", damping.is_all_finite()),
@@ -121,13 +117,8 @@ impl ForcedStructure {
     /// # Errors
     /// [`TimestepError::Dimension`].
     pub fn push_load(&mut self, harmonic: usize, modal: &[Complex64], gaps: &[Complex64]) -> Result<(), TimestepError> {
-        let sizes = [
-            ("modal forces of the load", self.n_modes(), modal.len()),
-            ("gaps of the load", self.n_contacts(), gaps.len()),
-        ];
-        if let Some(&(what, expected, found)) = sizes.iter().find(|(_, expected, found)| expected != found) {
-            return Err(TimestepError::Dimension { what, expected, found });
-        }
+        agrees("modal forces of the load", self.n_modes(), modal.len())?;
+        agrees("gaps of the load", self.n_contacts(), gaps.len())?;
         self.loads.push(ForcedLoad { harmonic, modal: modal.to_vec(), gaps: gaps.to_vec() });
         Ok(())
     }
@@ -142,11 +133,8 @@ impl ForcedStructure {
             let (expected, found) = (self.n_contacts(), contact);
             return Err(TimestepError::Dimension { what: "contacts", expected, found });
         }
-        for (what, value) in [("stiffness of a stop (N/m)", stiffness), ("damper of a stop (N s/m)", damper)] {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(TimestepError::NotPositive { what, value });
-            }
-        }
+        positive("stiffness of a stop (N/m)", stiffness)?;
+        positive("damper of a stop (N s/m)", damper)?;
         self.dampers.push((contact, stiffness, damper));
         Ok(())
     }

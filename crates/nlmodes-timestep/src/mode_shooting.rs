@@ -5,6 +5,7 @@ use nlmodes_modal::{HarmonicCoefficients, ModalPoint, TimeHistory};
 use nlmodes_model::DofContact;
 use nlmodes_model::reduction::GalerkinReduction;
 
+use crate::error::positive;
 use crate::phase::dot;
 use crate::verification::{n_intervals, share};
 use crate::{
@@ -89,9 +90,7 @@ impl ModeShooting {
             let y = self.structure.project(&part)?;
             energy += 0.25 * (n as f64 * omega).powi(2) * self.inertia(&y);
         }
-        if !(energy.is_finite() && energy > 0.0) {
-            return Err(TimestepError::NotPositive { what: "averaged kinetic energy (J)", value: energy });
-        }
+        positive("averaged kinetic energy (J)", energy)?;
         Ok((self.shooting.unknowns(&state, omega), (energy / self.scales().energy).ln()))
     }
 

@@ -3,6 +3,7 @@ use std::f64::consts::{PI, TAU};
 use nlmodes_continuation::{Continuation, ContinuationError, Linearization, ParametricSystem, Scaling};
 use nlmodes_linalg::{Mat, column};
 
+use crate::error::positive;
 use crate::phase::dot;
 use crate::{ContactDynamics, GrazingState, ModalState, TimestepError, Trajectory};
 
@@ -59,13 +60,9 @@ impl Shooting {
     /// # Errors
     /// [`TimestepError::NotPositive`] for a scale.
     pub fn new(dynamics: ContactDynamics, scales: ShootingScales) -> Result<Self, TimestepError> {
-        for (what, value) in [("reference frequency (rad/s)", scales.omega), ("reference energy (J)", scales.energy)] {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(TimestepError::NotPositive { what, value });
-            }
-        }
-        let speed = (2.0 * scales.energy).sqrt();
-        let units = dynamics.omega().iter().map(|ω| speed / ω.max(scales.omega)).collect();
+        let reference = positive("reference frequency (rad/s)", scales.omega)?;
+        let speed = (2.0 * positive("reference energy (J)", scales.energy)?).sqrt();
+        let units = dynamics.omega().iter().map(|ω| speed / ω.max(reference)).collect();
         Ok(Self { dynamics, scales, units, pattern: 0 })
     }
 
@@ -188,17 +185,11 @@ impl ParametricSystem for Shooting {
     }
 
     fn linearize(&mut self, x: &[f64], p: f64, out: &mut Linearization) -> Result<(), TimestepError> {
-        let (m, omega) = (self.units.len(), self.omega(x));
-        if !(omega.is_finite() && omega > 0.0) {
-            return Err(TimestepError::NotPositive { what: "frequency (rad/s)", value: omega });
-        }
+        let (m, omega) = (self.units.len(), positive("frequency (rad/s)", self.omega(x))?);
         let half = self.dynamics.propagate(&self.state(x), PI / omega)?;
         self.pattern = Self::hash(&half);
         let speed = (2.0 * self.scales.energy).sqrt();
-        let energy = half.kinetic_integral() * omega / PI;
-        if !(energy.is_finite() && energy > 0.0) {
-            return Err(TimestepError::NotPositive { what: "averaged kinetic energy (J)", value: energy });
-        }
+        let energy = positive("averaged kinetic energy (J)", half.kinetic_integral() * omega / PI)?;
         let mut gradient = vec![0.0; m];
         let z0 = Mat::from_fn(m, m, |i, j| if i == j { self.units[j] } else { 0.0 });
         let (_, v) = half.transition(z0, Mat::zeros(m, m), |segment, u, w| {

@@ -8,6 +8,7 @@ use num_complex::Complex64;
 
 use crate::TimestepError;
 use crate::dynamics::contact_body;
+use crate::error::agrees;
 
 /// Energy of single states of a structure whose massless contact coordinates satisfy the contact law, for any number of
 /// degrees of freedom.
@@ -50,10 +51,7 @@ impl<'m> StateEnergy<'m> {
     /// [`TimestepError::Dimension`] if its coordinates are not those of the structure; [`TimestepError::Contact`] if
     /// the contact problem has no solution there.
     pub fn of_harmonics(&mut self, motion: &HarmonicCoefficients, omega: f64, tau: f64) -> Result<f64, TimestepError> {
-        let (expected, found) = (self.model.dofs().len(), motion.n_coordinates());
-        if expected != found {
-            return Err(TimestepError::Dimension { what: "displacements", expected, found });
-        }
+        agrees("displacements", self.model.dofs().len(), motion.n_coordinates())?;
         let turns: Vec<Complex64> = (0..=motion.n_harmonics()).map(|n| Complex64::cis(n as f64 * tau)).collect();
         let (mut q, mut v) = (Vec::new(), Vec::new());
         for &d in self.model.linear_dofs() {

@@ -1,6 +1,7 @@
 use nlmodes_model::DofKind;
 
 use crate::dynamics::energy_norm_squared;
+use crate::error::positive;
 use crate::{ClosedInterval, ContactDynamics, ModalState, Snapshot, TimestepError, Trajectory};
 
 /// Number of instants per period at which peaks are sought.
@@ -42,9 +43,7 @@ impl Verification {
         let at_rest = dynamics.energy_at_rest()?;
         let energies: Vec<f64> = trajectory.energies().iter().map(|energy| energy - at_rest).collect();
         let energy = energies.first().copied().unwrap_or(0.0);
-        if !(energy.is_finite() && energy > 0.0) {
-            return Err(TimestepError::NotPositive { what: "energy of the motion (J)", value: energy });
-        }
+        positive("energy of the motion (J)", energy)?;
         let difference = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<f64>>();
         let missing = energy_norm_squared(
             dynamics.omega(),

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use nlmodes::contact::solver_by_name;
 use nlmodes::continuation::{Linearization, ParametricSystem};
 use nlmodes::fem::{Direction, MassMatrix, Material, Mesh, Rod, Stop, Support};
-use nlmodes::hbm::{CondensedStructure, MixedShooting, MixedShootingSettings, Switching, Symmetry, grazing};
+use nlmodes::hbm::{CondensedStructure, PeriodicSettings, Symmetry, grazing};
 use nlmodes::linalg::DenseLu;
 use nlmodes::model::{Drop, MasslessContactModel, Side};
 use nlmodes::report::ConvergenceFigure;
@@ -53,9 +53,9 @@ fn structure(method: Method, stiffness: f64) -> Result<CondensedStructure, Box<d
 
 /// Newton's method at the energy of the closed form; the frequency, Hz.
 fn frequency(structure: &CondensedStructure, harmonics: usize, x: &mut [f64]) -> Result<f64, Box<dyn Error>> {
-    let settings = MixedShootingSettings { harmonics, symmetry: Symmetry::Even, switching: Switching::Exact };
+    let settings = (PeriodicSettings { harmonics, ..PeriodicSettings::default() }, Symmetry::Even);
     let scales = grazing(structure, 1)?.scales();
-    let mut problem = MixedShooting::new(structure, settings, scales, solver_by_name("active-set")?.as_ref())?;
+    let mut problem = structure.conservative_mode(settings, scales, solver_by_name("active-set")?.as_ref())?;
     let n = problem.dim();
     let mut at = Linearization::new(n);
     for _ in 0..40 {

@@ -11,6 +11,7 @@ use super::modal_response::ModalResponse;
 use super::operating_point::{Closing, Source};
 use super::structure::ModalStructure;
 use super::system::{PeriodicSettings, PeriodicSystem};
+use crate::error::agrees;
 use crate::{HbmError, Scales, Symmetry};
 
 /// The unknowns that represent the linear structure.
@@ -171,13 +172,8 @@ impl PeriodicSystem {
         scales: Scales,
         solver: &dyn LcpSolver,
     ) -> Result<Self, HbmError> {
-        let sizes = [
-            ("modes of the drive point", structure.n_modes(), drive.row.modes.len()),
-            ("contacts and laws of the drive point", structure.n_places(), drive.row.contacts.len()),
-        ];
-        if let Some(&(what, expected, found)) = sizes.iter().find(|(_, expected, found)| expected != found) {
-            return Err(HbmError::Size { what, expected, found });
-        }
+        agrees("modes of the drive point", structure.n_modes(), drive.row.modes.len())?;
+        agrees("contacts and laws of the drive point", structure.n_places(), drive.row.contacts.len())?;
         if drive.harmonic == 0 || drive.harmonic > settings.harmonics {
             return Err(HbmError::LoadBeyond { load: drive.harmonic, harmonics: settings.harmonics });
         }
@@ -228,10 +224,7 @@ impl PeriodicSystem {
     /// # Errors
     /// [`HbmError::Size`] or [`HbmError::NotFinite`].
     pub fn beside_opening(mut self, opening: &[f64]) -> Result<Self, HbmError> {
-        let (expected, found) = (self.structure.n_contacts(), opening.len());
-        if found != expected {
-            return Err(HbmError::Size { what: "openings", expected, found });
-        }
+        agrees("openings", self.structure.n_contacts(), opening.len())?;
         let level = self.closing.level.at(&[], 0.0);
         self.load = self.load.beside_opening(level, opening.to_vec())?;
         self.closing.level = Source::Square;

@@ -22,6 +22,7 @@ pub(crate) use touches::value as law_value;
 
 use super::structure::ModalStructure;
 use crate::HbmError;
+use crate::error::agrees;
 
 /// The force of a law at one instant, with its derivatives.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -97,14 +98,9 @@ impl ModalStructure {
     /// [`HbmError::Size`] or [`HbmError::NotFinite`].
     pub fn with_laws(&self, laws: Vec<PlacedLaw>, samples: usize) -> Result<Self, HbmError> {
         for law in &laws {
-            let sizes = [
-                ("modes of a law", self.n_modes(), law.modes.len()),
-                ("contacts of a law", self.n_contacts(), law.contacts.len()),
-                ("places of a law", laws.len(), law.laws.len()),
-            ];
-            if let Some(&(what, expected, found)) = sizes.iter().find(|(_, expected, found)| expected != found) {
-                return Err(HbmError::Size { what, expected, found });
-            }
+            agrees("modes of a law", self.n_modes(), law.modes.len())?;
+            agrees("contacts of a law", self.n_contacts(), law.contacts.len())?;
+            agrees("places of a law", laws.len(), law.laws.len())?;
             if !law.modes.iter().chain(&law.contacts).chain(&law.laws).all(|v| v.is_finite()) {
                 return Err(HbmError::NotFinite { what: "the place of a law" });
             }

@@ -5,6 +5,7 @@ use num_complex::Complex64;
 use super::operating_point::OperatingPoint;
 use super::structure::ModalStructure;
 use crate::HbmError;
+use crate::error::agrees;
 
 /// One harmonic of a periodic load, for a unit level: `Re(amplitude ω^power e^{inωt})`.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,13 +55,8 @@ impl Load {
     /// [`HbmError::Size`] or [`HbmError::NotFinite`].
     pub fn new(structure: &ModalStructure, terms: Vec<LoadTerm>) -> Result<Self, HbmError> {
         for term in &terms {
-            let sizes = [
-                ("modes of a load", structure.n_modes(), term.modal.len()),
-                ("contacts and laws of a load", structure.n_places(), term.gaps.len()),
-            ];
-            if let Some(&(what, expected, found)) = sizes.iter().find(|(_, expected, found)| expected != found) {
-                return Err(HbmError::Size { what, expected, found });
-            }
+            agrees("modes of a load", structure.n_modes(), term.modal.len())?;
+            agrees("contacts and laws of a load", structure.n_places(), term.gaps.len())?;
             if !term.modal.iter().chain(&term.gaps).all(|v| v.is_finite()) {
                 return Err(HbmError::NotFinite { what: "a load" });
             }

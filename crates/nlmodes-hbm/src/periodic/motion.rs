@@ -103,6 +103,16 @@ impl PeriodicMotion {
 }
 
 impl PeriodicMotion {
+    /// Modal coordinates with mass as Fourier coefficients, modes × (H + 1), m·√kg.
+    pub fn modal_coefficients(&self) -> HarmonicCoefficients {
+        let (modes, harmonics) = (self.eta.first().map_or(0, Vec::len), self.eta.len().saturating_sub(1));
+        let mut modal = HarmonicCoefficients::zeros(modes, harmonics);
+        for (n, eta) in self.eta.iter().enumerate() {
+            eta.iter().enumerate().for_each(|(k, eta)| modal.of_mut(k)[n] = *eta);
+        }
+        modal
+    }
+
     /// As a point of a curve, without displacements, whose coordinates the motion does not know: its fundamental and,
     /// without a contact, its peak are NaN.
     pub fn point(&self) -> ModalPoint {

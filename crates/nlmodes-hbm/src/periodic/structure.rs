@@ -5,6 +5,7 @@ use num_complex::Complex64;
 use super::damping::ModalDamping;
 use super::law::PlacedLaw;
 use crate::HbmError;
+use crate::error::agrees;
 
 /// A damped structure in open modes, with the static flexibility of what they leave over at the contacts.
 ///
@@ -66,17 +67,12 @@ impl ModalStructure {
         damping: ModalDamping,
     ) -> Result<Self, HbmError> {
         let (m, c) = (omega_squared.len(), gaps.len());
-        let sizes = [
-            ("modes of the contact rows", m, rows.ncols()),
-            ("contacts of the contact rows", c, rows.nrows()),
-            ("rows of the residual flexibility", c, flexibility.nrows()),
-            ("columns of the residual flexibility", c, flexibility.ncols()),
-            ("compliances of the stops", c, stop_compliance.len()),
-            ("modes of the damping", m, damping.n_modes()),
-        ];
-        if let Some(&(what, expected, found)) = sizes.iter().find(|(_, expected, found)| expected != found) {
-            return Err(HbmError::Size { what, expected, found });
-        }
+        agrees("modes of the contact rows", m, rows.ncols())?;
+        agrees("contacts of the contact rows", c, rows.nrows())?;
+        agrees("rows of the residual flexibility", c, flexibility.nrows())?;
+        agrees("columns of the residual flexibility", c, flexibility.ncols())?;
+        agrees("compliances of the stops", c, stop_compliance.len())?;
+        agrees("modes of the damping", m, damping.n_modes())?;
         let damped = (0..m).all(|i| (0..m).all(|j| damping.entry(i, j).is_finite()));
         let numbers = [
             ("squared frequencies", omega_squared.iter().all(|v| v.is_finite())),
@@ -145,10 +141,7 @@ impl ModalStructure {
     /// # Errors
     /// [`HbmError::Size`] or [`HbmError::NotFinite`].
     pub fn with_gaps(&self, gaps: Vec<f64>) -> Result<Self, HbmError> {
-        let (expected, found) = (self.n_contacts(), gaps.len());
-        if found != expected {
-            return Err(HbmError::Size { what: "gaps", expected, found });
-        }
+        agrees("gaps", self.n_contacts(), gaps.len())?;
         if !gaps.iter().all(|gap| gap.is_finite()) {
             return Err(HbmError::NotFinite { what: "gaps" });
         }
@@ -161,14 +154,11 @@ impl ModalStructure {
     /// # Errors
     /// [`HbmError::Size`] or [`HbmError::NotFinite`].
     pub fn with_steady_force(&self, mut force: Vec<f64>) -> Result<Self, HbmError> {
-        let expected = self.n_moving();
-        if !force.is_empty() && force.len() != expected {
-            return Err(HbmError::Size { what: "modes of the steady force", expected, found: force.len() });
-        }
         if !force.iter().all(|p| p.is_finite()) {
             return Err(HbmError::NotFinite { what: "steady force" });
         }
         if !force.is_empty() {
+            agrees("modes of the steady force", self.n_moving(), force.len())?;
             force.resize(self.n_modes(), 0.0);
         }
         Ok(Self { steady_force: force, ..self.clone() })
@@ -189,10 +179,8 @@ impl ModalStructure {
     /// # Errors
     /// [`HbmError::Size`] or [`HbmError::NotFinite`].
     pub fn with_damping(&self, damping: ModalDamping) -> Result<Self, HbmError> {
+        agrees("modes of the damping", self.n_modes(), damping.n_modes())?;
         let m = self.n_modes();
-        if damping.n_modes() != m {
-            return Err(HbmError::Size { what: "modes of the damping", expected: m, found: damping.n_modes() });
-        }
         if !(0..m).all(|i| (0..m).all(|j| damping.entry(i, j).is_finite())) {
             return Err(HbmError::NotFinite { what: "damping" });
         }

@@ -13,7 +13,29 @@ use super::operating_point::{Closing, Column, OperatingPoint};
 use super::rows::{Assembly, add_weights, complex_harmonic, write_harmonic};
 use super::structure::ModalStructure;
 use crate::trigonometric::inner;
-use crate::{ContactOperator, HbmError, MAX_HARMONICS, RealSeries, Scales, Switching, Symmetry};
+use crate::{ContactOperator, Grazing, HbmError, RealSeries, Switching, Symmetry};
+
+/// Most harmonics that are accepted.
+pub const MAX_HARMONICS: usize = 4096;
+
+/// What numbers near one mean: lengths, frequencies and energies of the problem.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Scales {
+    /// Length, m: amplitude of the contact at grazing.
+    pub length: f64,
+    /// Angular frequency, rad/s: that of the linear mode.
+    pub omega: f64,
+    /// Averaged kinetic energy, J: that at grazing.
+    pub energy: f64,
+}
+
+impl Scales {
+    /// From a length (m), an angular frequency (rad/s) and an energy (J).
+    pub fn new(length: f64, omega: f64, energy: f64) -> Self {
+        Self { length, omega, energy }
+    }
+}
 
 /// What distinguishes one periodic problem from another on the same structure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -168,6 +190,22 @@ impl PeriodicSystem {
     /// What makes it square.
     pub fn closing(&self) -> &Closing {
         &self.closing
+    }
+
+    /// The scales of the unknowns.
+    pub fn scales(&self) -> Scales {
+        self.scales
+    }
+
+    /// Angular frequency at the unknowns `x` of a mode, rad/s.
+    pub fn omega(&self, x: &[f64]) -> f64 {
+        self.operating_point(x, 0.0).omega
+    }
+
+    /// Unknowns at the begin of the branch of a mode, where its parameter is zero, and the direction of growing
+    /// amplitude.
+    pub fn start(&self, grazing: &Grazing) -> (Vec<f64>, Vec<f64>) {
+        (grazing.unknowns(self), grazing.direction(self))
     }
 
     /// Frequency, negative damping and level of the unknowns `x` at the parameter `p`.

@@ -38,10 +38,10 @@ fn shares_forces_impulses_and_approach_are_those_of_the_motion() {
                 let (mut problem, start) = problem(&structure, 1, 3, symmetry, Switching::Exact);
                 let branch = follow(&mut problem, &start, 3.0);
                 for point in branch.points.iter().skip(1).step_by(4).chain(branch.points.last()) {
-                    let modal = problem.modal_point(&point.x, point.residual).unwrap();
-                    let histories = problem.time_histories(&point.x, 6000, "").unwrap();
+                    let modal = structure.modal_point(&mut problem, &point.x, point.residual).unwrap();
+                    let histories = problem.time_histories(&point.x, structure.model().contacts(), 6000, "").unwrap();
                     assert_eq!(modal.contacts.len(), 2);
-                    let few = problem.time_histories(&point.x, 200, "").unwrap();
+                    let few = problem.time_histories(&point.x, structure.model().contacts(), 200, "").unwrap();
                     modal.contacts.iter().zip(&few).for_each(|(found, history)| keeps_its_blows(found, history));
                     for (found, history) in modal.contacts.iter().zip(&histories) {
                         check(found, history, std::f64::consts::TAU / modal.omega);
@@ -52,7 +52,7 @@ fn shares_forces_impulses_and_approach_are_those_of_the_motion() {
                         (first.closed_share, modal.contacts.iter().map(|c| c.peak_force).fold(0.0, f64::max),)
                     );
                 }
-                let last = problem.modal_point(&branch.points.last().unwrap().x, 0.0).unwrap();
+                let last = structure.modal_point(&mut problem, &branch.points.last().unwrap().x, 0.0).unwrap();
                 assert!(last.contacts[0].impulse > 0.0 && last.contacts[0].touches > 0);
             }
         }

@@ -64,11 +64,11 @@ fn harmonic_balance_solves_its_equations_by_alternating_frequency_time_from_the_
                 let branch = follow(&mut problem, &start, 5.0);
                 let mut touched = 0.0_f64;
                 for point in branch.points.iter().step_by(4) {
-                    let modal = problem.modal_point(&point.x, point.residual).unwrap();
+                    let modal = structure.modal_point(&mut problem, &point.x, point.residual).unwrap();
                     let defect = harmonic_balance_defect(&full, &model, &modal, 64);
                     assert!(defect < 1e-9, "{symmetry:?}: {defect:e}");
                     assert!((full.kinetic_energy(&modal) / modal.kinetic_energy - 1.0).abs() < 1e-10);
-                    assert!(problem.unfolding(&point.x).is_none_or(|delta| delta.abs() < 1e-9));
+                    assert!(point.x.get(problem.n_coefficients() + 1).is_none_or(|delta| delta.abs() < 1e-9));
                     touched = touched.max(modal.contact_fraction);
                 }
                 assert!(touched > 0.1, "{touched}");
@@ -110,7 +110,7 @@ fn with_all_modes_retained_the_motion_at_an_elastic_stop_is_that_of_the_structur
             let branch = follow(&mut problem, &start, 5.0);
             let (tip, mut yielded) = (model.dofs().len() - 1, 0.0_f64);
             for point in branch.points.iter().step_by(4) {
-                let own = problem.modal_point(&point.x, point.residual).unwrap();
+                let own = structure.modal_point(&mut problem, &point.x, point.residual).unwrap();
                 let coefficients = recovered(&open, &reduced, &own.coefficients);
                 let of_structure = ModalPoint { coefficients, ..own.clone() };
                 let defect = harmonic_balance_defect(&full, &model, &of_structure, 64);
@@ -120,7 +120,10 @@ fn with_all_modes_retained_the_motion_at_an_elastic_stop_is_that_of_the_structur
                 assert!((own.peak / peak - 1.0).abs() < 1e-6, "{} of {peak}", own.peak);
                 let fundamental = of_structure.coefficients.of(tip)[1].norm();
                 assert!((own.fundamental.abs() / fundamental - 1.0).abs() < 1e-10, "{} {fundamental}", own.fundamental);
-                let history = problem.time_history(&point.x, 0, 64, "").unwrap();
+                let history = problem
+                    .equidistant_histories(&point.x, structure.model().contacts(), 64, "")
+                    .unwrap()
+                    .swap_remove(0);
                 for (j, displacement) in history.displacement.iter().enumerate() {
                     let expected = of_structure.coefficients.value(tip, TAU * j as f64 / 64.0);
                     assert!((displacement - expected).abs() < 1e-9, "{displacement} {expected}");
@@ -170,7 +173,7 @@ fn total_energy_counts_the_springs_of_the_stops() {
         let (mut problem, start) = problem(&structure, 1, 3, Symmetry::Even, Switching::Exact);
         let branch = follow(&mut problem, &start, 5.0);
         for point in branch.points.iter().step_by(4) {
-            let modal = problem.modal_point(&point.x, point.residual).unwrap();
+            let modal = structure.modal_point(&mut problem, &point.x, point.residual).unwrap();
             let expected = modal.kinetic_energy + strain(&full, &model, &modal);
             assert!((modal.total_energy / expected - 1.0).abs() < 1e-9, "{} against {expected}", modal.total_energy);
         }
@@ -185,9 +188,11 @@ fn massless_nodes_before_elastic_stops_are_in_static_equilibrium_at_every_instan
         let branch = follow(&mut problem, &start, 5.0);
         let mut touched = [false; 2];
         for point in branch.points.iter().step_by(4) {
-            let modal = problem.modal_point(&point.x, point.residual).unwrap();
+            let modal = structure.modal_point(&mut problem, &point.x, point.residual).unwrap();
             assert!(full.equation_8_defect(&modal) < 1e-11);
-            let histories = [0, 1].map(|c| problem.time_history(&point.x, c, 200, "").unwrap());
+            let histories = [0, 1].map(|c| {
+                problem.equidistant_histories(&point.x, structure.model().contacts(), 200, "").unwrap().swap_remove(c)
+            });
             for j in 0..=200 {
                 let b = full.free_position(&modal, TAU * j as f64 / 200.0);
                 let (mut load, mut q) = (vec![0.0; b.len()], b.clone());
@@ -221,7 +226,7 @@ fn velocity_and_acceleration_in_an_elastic_stop_are_the_derivatives_of_the_displ
         let branch = follow(&mut problem, &start, 2.5);
         let x = &branch.points.last().unwrap().x;
         let n = 20_000;
-        let history = problem.time_history(x, 0, n, "").unwrap();
+        let history = problem.equidistant_histories(x, structure.model().contacts(), n, "").unwrap().swap_remove(0);
         let step = history.time[1];
         let mut wrong = 0;
         for j in 1..n {
@@ -288,7 +293,7 @@ fn the_branch_of_a_pressed_elastic_stop_leads_away_from_rest() {
         assert!((last.p - 4.0_f64.ln()).abs() < 1e-12);
         // It loses the spring for a part of the period: softer.
         assert!(problem.omega(&last.x) < start.omega);
-        let modal = problem.modal_point(&last.x, last.residual).unwrap();
+        let modal = structure.modal_point(&mut problem, &last.x, last.residual).unwrap();
         assert!(modal.contact_fraction > 0.2 && modal.contact_fraction < 0.9, "{}", modal.contact_fraction);
     }
 }
@@ -310,11 +315,20 @@ fn the_peak_of_a_contact_that_stays_open_is_that_of_its_node_while_its_neighbour
     let (mut problem, start) = problem(&structure, 1, 3, Symmetry::Even, Switching::Exact);
     let branch = follow(&mut problem, &start, 3.0);
     let last = branch.points.last().unwrap();
-    let modal = problem.modal_point(&last.x, last.residual).unwrap();
-    let history = problem.time_history(&last.x, 0, 4000, "").unwrap();
+    let modal = structure.modal_point(&mut problem, &last.x, last.residual).unwrap();
+    let history =
+        problem.equidistant_histories(&last.x, structure.model().contacts(), 4000, "").unwrap().swap_remove(0);
     let sampled = history.displacement.iter().fold(f64::NEG_INFINITY, |m, q| m.max(*q));
     assert!((modal.peak - sampled).abs() < 1e-6, "{} and {sampled}", modal.peak);
-    assert!(problem.time_history(&last.x, 1, 100, "").unwrap().force.iter().any(|f| *f > 1e-2));
+    assert!(
+        problem
+            .equidistant_histories(&last.x, structure.model().contacts(), 100, "")
+            .unwrap()
+            .swap_remove(1)
+            .force
+            .iter()
+            .any(|f| *f > 1e-2)
+    );
 }
 
 /// A spring and a damper behind a stop take the place of what it was: a rigid one and one on a spring become the same.
@@ -367,10 +381,10 @@ fn harmonic_balance_with_fewer_fixed_interface_modes_runs_into_that_with_all() {
         let tips = MasslessContactModel::with_spring_tips(&model, None).unwrap();
         let structure = CondensedStructure::new(tips, modes).unwrap();
         let (mut problem, start) = problem(&structure, 1, 3, Symmetry::Even, Switching::Exact);
-        assert_eq!(problem.frequency_index(), problem.series().width(), "one direction");
+        assert_eq!(problem.n_coefficients(), problem.series().width(), "one direction");
         let branch = follow(&mut problem, &start, 3.0);
         let last = branch.points.last().unwrap();
-        let modal = problem.modal_point(&last.x, last.residual).unwrap();
+        let modal = structure.modal_point(&mut problem, &last.x, last.residual).unwrap();
         let yields = modal.contacts[0].peak_force / 20.0;
         assert!(yields > 1e-3 && (modal.peak - 1.0 - yields).abs() < 1e-12, "{} {yields}", modal.peak);
         [modal.omega, modal.peak_contact_force, modal.total_energy, modal.coefficients.of(20)[3].re]

@@ -191,7 +191,7 @@ fn harmonic(units: Units, harmonics: usize) -> (ModalPoint, [f64; 3]) {
     let branch = follow(&mut problem, &start, 2.0);
     let last = branch.points.last().unwrap();
     assert!((last.p - 2.0_f64.ln()).abs() < 1e-12, "{:?}", branch.stop);
-    let point = problem.modal_point(&last.x, last.residual).unwrap();
+    let point = structure.modal_point(&mut problem, &last.x, last.residual).unwrap();
     let eta = [0, 1, 2].map(|r| point.coefficients.value(r, std::f64::consts::PI));
     let at_rest = [0, 1, 2].map(|i| (0..3).map(|r| open.shapes()[(i, r)] * eta[r]).sum::<f64>() / units.length);
     (point, at_rest)

@@ -90,7 +90,7 @@ fn a_bouncing_mass_is_that_of_the_closed_form() {
         let branch = follow(&mut problem, &start, 20.0);
         assert!((branch.points.last().unwrap().p - 20.0_f64.ln()).abs() < 1e-12, "{:?}", branch.stop);
         for point in &branch.points[1..] {
-            let modal = problem.modal_point(&point.x, 0.0).unwrap();
+            let modal = structure.modal_point(&mut problem, &point.x, 0.0).unwrap();
             let amplitude = bounce.amplitude(modal.kinetic_energy);
             let [omega, _] = bounce.motion(amplitude);
             assert!((modal.omega / omega - 1.0).abs() < 1e-8, "{} {omega}", modal.omega);
@@ -99,7 +99,7 @@ fn a_bouncing_mass_is_that_of_the_closed_form() {
             let above_rest = 0.5 * bounce.k * amplitude * amplitude;
             assert!(((modal.total_energy - at_rest) / above_rest - 1.0).abs() < 1e-8, "{above_rest}");
             // Its mean force is its weight, and its mean place that of the mass.
-            assert!((problem.mean_forces()[0] / bounce.w - 1.0).abs() < 1e-10);
+            assert!((modal.contacts[0].mean_force / bounce.w - 1.0).abs() < 1e-10);
             let below = modal.coefficients.of(0)[0].re - modal.coefficients.of(1)[0].re;
             assert!((below / -sag - 1.0).abs() < 1e-9, "{below}");
         }
@@ -227,7 +227,7 @@ fn a_rod_bounces_on_its_end_and_returns() {
     let (mut problem, start) = problem(&structure, 1, 40, Symmetry::Even, Switching::Exact);
     assert!((start.omega / TAU / 0.25 - 1.0).abs() < 5e-3, "{}", start.omega);
     let branch = follow(&mut problem, &start, 2.0);
-    let point = problem.modal_point(&branch.points.last().unwrap().x, 0.0).unwrap();
+    let point = structure.modal_point(&mut problem, &branch.points.last().unwrap().x, 0.0).unwrap();
     assert!(point.contact_fraction < 0.99, "{}", point.contact_fraction);
     let full = support::FullMatrices::of(&model);
     let mass: Vec<Vec<f64>> = (1..=n).map(|i| full.m[i][1..].to_vec()).collect();

@@ -257,10 +257,10 @@ fn open_modes_with_all_modes_give_the_branch_of_the_held_modes() {
         let branch = follow_mode(&mut system, &structure, 3.0_f64.ln());
         let last = branch.points.last().unwrap();
         let omega = system.operating_point(&last.x, last.p).omega;
-        let point = problem.modal_point(&expected.x, 0.0).unwrap();
+        let point = held.modal_point(&mut problem, &expected.x, 0.0).unwrap();
         let motion = system.motion(&last.x, last.p).unwrap();
         assert!((motion.total_energy / point.total_energy - 1.0).abs() < 1e-9);
-        let expected = expected.x[problem.frequency_index()] * problem.scales().omega;
+        let expected = expected.x[problem.n_coefficients()] * problem.scales().omega;
         assert!((omega / expected - 1.0).abs() < 1e-9, "{coordinates:?}: {omega} {expected}");
     }
 }

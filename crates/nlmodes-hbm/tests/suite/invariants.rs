@@ -5,7 +5,7 @@ use crate::support;
 use std::f64::consts::TAU;
 
 use nlmodes_continuation::{EventKind, Linearization, ParametricSystem};
-use nlmodes_hbm::{CondensedStructure, MixedShooting, Switching, Symmetry};
+use nlmodes_hbm::{CondensedStructure, PeriodicSystem, Switching, Symmetry};
 use nlmodes_modal::HarmonicCoefficients;
 use nlmodes_model::{Drop, MasslessContactModel, Side, StructuralModel, linear_modes};
 use num_complex::Complex64;
@@ -38,23 +38,29 @@ fn every_point_of_every_branch_satisfies_the_equations_of_the_paper() {
             let (side, k_nn) = (contact.side.sign(), full.k[contact.dof][contact.dof]);
             for (i, point) in branch.points.iter().enumerate() {
                 assert!(point.residual < 1e-10, "{name} {i}: residual {:e}", point.residual);
-                let modal = problem.modal_point(&point.x, point.residual).unwrap();
+                let modal = structure.modal_point(&mut problem, &point.x, point.residual).unwrap();
                 // The strong springs of short elements cancel: rounding is near 1e-16 times a few hundred.
                 let defect = full.equation_8_defect(&modal);
                 assert!(defect < 1e-11, "{name} {i}: eq. (8) by {defect:e}");
                 let kinetic = full.kinetic_energy(&modal);
                 assert!((kinetic / modal.kinetic_energy - 1.0).abs() < 1e-9, "{name} {i}: {kinetic}");
-                assert!((problem.energy(point.p) / modal.kinetic_energy - 1.0).abs() < 1e-9, "{name} {i}");
+                assert!(
+                    ((problem.scales().energy * point.p.exp()) / modal.kinetic_energy - 1.0).abs() < 1e-9,
+                    "{name} {i}"
+                );
                 let checked = problem.check_contact(&point.x, 300).unwrap();
                 let worst = checked.penetration.max(checked.tension).max(checked.complementarity);
                 assert!(worst < 1e-11, "{name} {i}: {checked:?}");
-                if let Some(delta) = problem.unfolding(&point.x) {
+                if let Some(delta) = point.x.get(problem.n_coefficients() + 1) {
                     assert!(delta.abs() < 1e-9, "{name} {i}: unfolding {delta:e}");
                 }
                 if i % 12 != 0 {
                     continue;
                 }
-                let history = problem.time_history(&point.x, 0, SAMPLES, "").unwrap();
+                let history = problem
+                    .equidistant_histories(&point.x, structure.model().contacts(), SAMPLES, "")
+                    .unwrap()
+                    .swap_remove(0);
                 for j in (0..SAMPLES).step_by(SAMPLES / 64) {
                     let tau = TAU * j as f64 / SAMPLES as f64;
                     // One contact: the tip is where it would be without a stop, or at the stop.
@@ -83,11 +89,11 @@ fn resampled(structure: &CondensedStructure, symmetry: Symmetry, harmonics: usiz
     [1.2, 1.6, 2.2, 3.0].map(|ratio| problem_at(&mut problem, &start, ratio)).to_vec()
 }
 
-fn problem_at(problem: &mut MixedShooting, start: &nlmodes_hbm::Grazing, ratio: f64) -> f64 {
+fn problem_at(problem: &mut PeriodicSystem, start: &nlmodes_hbm::Grazing, ratio: f64) -> f64 {
     let branch = follow(problem, start, ratio);
     let last = branch.points.last().unwrap();
     assert!((last.p - ratio.ln()).abs() < 1e-12, "{:?}", branch.stop);
-    last.x[problem.frequency_index()]
+    last.x[problem.n_coefficients()]
 }
 
 #[test]
@@ -188,7 +194,8 @@ fn a_mirrored_stop_gives_the_mirrored_motion() {
         let (mut problem, start) = problem(&structure, 1, 3, Symmetry::Even, Switching::Exact);
         let branch = follow(&mut problem, &start, 2.0);
         let last = branch.points.last().unwrap();
-        let history = problem.time_history(&last.x, 0, 100, "").unwrap();
+        let history =
+            problem.equidistant_histories(&last.x, structure.model().contacts(), 100, "").unwrap().swap_remove(0);
         (problem.omega(&last.x), history)
     });
     assert!((right.0 / left.0 - 1.0).abs() < 1e-11, "{} against {}", right.0, left.0);
@@ -209,7 +216,7 @@ fn fewer_held_modes_converge_to_all_of_them() {
         let (mut problem, start) = problem(&structure, 1, 2, Symmetry::Even, Switching::Exact);
         let branch = follow(&mut problem, &start, 2.0);
         let point = &branch.points.last().unwrap().x;
-        let modal = problem.modal_point(point, 0.0).unwrap();
+        let modal = structure.modal_point(&mut problem, point, 0.0).unwrap();
         [modal.omega, modal.total_energy, modal.modal_amplitude, modal.coefficients.of(40)[2].re]
     };
     let all = with(99);
@@ -244,7 +251,8 @@ fn modal_coordinates_are_those_that_a_motion_was_put_together_of() {
     let (mut problem, start) = problem(&structure, 1, 5, Symmetry::Even, Switching::Exact);
     let branch = follow(&mut problem, &start, 3.0);
     let x = &branch.points.last().unwrap().x;
-    let (modal, whole) = (problem.modal_coordinates(x).unwrap(), problem.modal_point(x, 0.0).unwrap());
+    let (modal, whole) =
+        (problem.motion(x, 0.0).unwrap().modal_coefficients(), structure.modal_point(&mut problem, x, 0.0).unwrap());
     let whole = structure.modal_coordinates(&whole.coefficients, 3).unwrap();
     for (k, n) in (0..3).flat_map(|k| (0..=5).map(move |n| (k, n))) {
         assert!((modal.of(k)[n] - whole.of(k)[n]).norm() < 1e-11, "{k} {n}: {} {}", modal.of(k)[n], whole.of(k)[n]);

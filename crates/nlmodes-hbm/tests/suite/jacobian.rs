@@ -4,9 +4,9 @@ use crate::support;
 
 use nlmodes_continuation::conformance::jacobian_defect;
 use nlmodes_continuation::{Linearization, ParametricSystem};
-use nlmodes_hbm::{CondensedStructure, MixedShooting, Switching, Symmetry};
+use nlmodes_hbm::{CondensedStructure, PeriodicSystem, Switching, Symmetry};
 use nlmodes_model::reduction::{HeldMode, HeldModes};
-use nlmodes_model::{Side, StructuralModel};
+use nlmodes_model::{MasslessContactModel, Side, StructuralModel};
 use support::{condense, condense_tips, on_springs, problem, rod};
 
 const STEP: f64 = 1e-6;
@@ -28,8 +28,8 @@ fn facing_stops() -> CondensedStructure {
 }
 
 /// A motion with all coefficients, `amplitude` times grazing, at `omega` times the linear frequency.
-fn unknowns(problem: &MixedShooting, amplitude: f64, omega: f64) -> Vec<f64> {
-    let (width, n) = (problem.series().width(), problem.frequency_index());
+fn unknowns(model: &MasslessContactModel, problem: &PeriodicSystem, amplitude: f64, omega: f64) -> Vec<f64> {
+    let (width, n) = (problem.series().width(), problem.n_coefficients());
     let mut x: Vec<f64> = (0..problem.dim())
         .map(|i| {
             let (m, d) = (i % width, i / width);
@@ -40,8 +40,7 @@ fn unknowns(problem: &MixedShooting, amplitude: f64, omega: f64) -> Vec<f64> {
     // The outer degrees of freedom move most, as in the linear mode.
     (0..n).rev().filter(|i| i % width == 1).enumerate().for_each(|(d, i)| x[i] = amplitude * (1.0 - 0.3 * d as f64));
     // The unknowns are how gaps open, from one direction after the other in the order of the contacts.
-    let (w, moved) = (problem.structure().model().w(), x.clone());
-    let dofs = problem.structure().model().contact_dofs();
+    let (w, dofs, moved) = (model.w(), model.contact_dofs(), x.clone());
     let mut seen: Vec<(usize, usize)> = (0..w.nrows())
         .filter(|d| !dofs[..*d].contains(&dofs[*d]))
         .map(|d| ((0..w.ncols()).find(|&i| w[(d, i)] != 0.0).unwrap(), d))
@@ -58,7 +57,7 @@ fn unknowns(problem: &MixedShooting, amplitude: f64, omega: f64) -> Vec<f64> {
 }
 
 /// Largest difference in a column, over the largest entry of that column: small columns count as much as large ones.
-fn worst_column(problem: &mut MixedShooting, x: &[f64], p: f64, step: f64) -> f64 {
+fn worst_column(problem: &mut PeriodicSystem, x: &[f64], p: f64, step: f64) -> f64 {
     let n = problem.dim();
     let (mut at, mut plus, mut minus) = (Linearization::new(n), Linearization::new(n), Linearization::new(n));
     problem.linearize(x, p, &mut at).unwrap();
@@ -103,12 +102,12 @@ fn check_with_step(
     step: f64,
 ) -> f64 {
     let (mut problem, _) = problem(structure, 1, harmonics, symmetry, switching);
-    let x = unknowns(&problem, at[0], at[1]);
+    let x = unknowns(structure.model(), &problem, at[0], at[1]);
     let defect = jacobian_defect(&mut problem, &x, 0.2, step).unwrap();
     assert!(defect < TOLERANCE, "{harmonics} harmonics, {symmetry:?}, {switching:?}, {at:?}: {defect:e}");
     let worst = worst_column(&mut problem, &x, 0.2, step);
     assert!(worst < TOLERANCE, "{harmonics} harmonics, {symmetry:?}, {switching:?}, {at:?}: a column by {worst:e}");
-    problem.modal_point(&x, 0.0).unwrap().contact_fraction
+    structure.modal_point(&mut problem, &x, 0.0).unwrap().contact_fraction
 }
 
 const SYMMETRIES: [Symmetry; 2] = [Symmetry::Even, Symmetry::None];

@@ -7,9 +7,9 @@ use crate::support;
 
 use std::f64::consts::{PI, TAU};
 
-use nlmodes_hbm::{CondensedStructure, MixedShooting, Switching, Symmetry};
+use nlmodes_hbm::{CondensedStructure, PeriodicSystem, Switching, Symmetry};
 use nlmodes_linalg::sparse_from_triplets;
-use nlmodes_model::{Contact, ContactCoordinates, Dof, DofKind, Drop, Side, StructuralModel};
+use nlmodes_model::{Contact, ContactCoordinates, Dof, DofKind, Drop, MasslessContactModel, Side, StructuralModel};
 use support::{condense, condense_tips, fitted_slope, follow, problem, settle};
 
 const GAP: f64 = 1.0;
@@ -71,10 +71,9 @@ impl Oscillator {
 
     /// Scaled unknowns of the motion, to begin Newton's method with: the gap opens by −x, at rest before
     /// the stop by one.
-    fn unknowns(&self, problem: &MixedShooting) -> (Vec<f64>, f64) {
+    fn unknowns(&self, model: &MasslessContactModel, problem: &PeriodicSystem) -> (Vec<f64>, f64) {
         let (h, samples) = (problem.series().n_harmonics, 1 << 12);
         // A node without mass that moves in harmonics is where the springs before and behind it share x − g.
-        let model = problem.structure().model();
         let yields = match model.contact_coordinates() {
             ContactCoordinates::Nodes => 1.0,
             ContactCoordinates::SpringTips => self.k_s * model.contacts()[0].law.compliance(),
@@ -120,10 +119,10 @@ fn oscillator(k_s: f64, top: f64) -> Oscillator {
 fn errors(structure: &CondensedStructure, closed: &Oscillator, harmonics: usize, switching: Switching) -> [f64; 2] {
     let (mut problem, start) = problem(structure, 1, harmonics, Symmetry::Even, switching);
     assert!((start.energy - 0.5).abs() < 1e-13 && (start.omega - 6.0_f64.sqrt()).abs() < 1e-13);
-    let (guess, p) = closed.unknowns(&problem);
+    let (guess, p) = closed.unknowns(structure.model(), &problem);
     let (x, residual) = settle(&mut problem, guess, p);
     assert!(residual < 1e-11, "{harmonics} harmonics, {switching:?}: residual {residual:e}");
-    let point = problem.modal_point(&x, residual).unwrap();
+    let point = structure.modal_point(&mut problem, &x, residual).unwrap();
     assert!((point.kinetic_energy / closed.kinetic() - 1.0).abs() < 1e-10);
     [point.omega / closed.omega() - 1.0, point.total_energy / closed.total() - 1.0]
 }
@@ -194,7 +193,7 @@ fn the_branch_of_harmonic_balance_is_the_closed_form_amplitude_by_amplitude() {
     let branch = follow(&mut problem, &start, 4.0);
     assert!(branch.points.len() > 10, "{:?}", branch.stop);
     for point in &branch.points[1..] {
-        let modal = problem.modal_point(&point.x, point.residual).unwrap();
+        let modal = structure.modal_point(&mut problem, &point.x, point.residual).unwrap();
         let top = support::bisect(|top| oscillator(6.0, top).kinetic() - modal.kinetic_energy, GAP, 3.0);
         let closed = oscillator(6.0, top);
         // A contact of length θ is resolved by harmonics beyond 1/θ only; at the second point half of it is 0.1 rad.
@@ -215,9 +214,9 @@ fn mixed_shooting_before_an_elastic_stop_is_two_springs_in_series() {
         assert!(frequency.abs() < 1e-10 && energy.abs() < 1e-10, "{k2}, {k_c}: {frequency:e}, {energy:e}");
         // What the stop yields: its share of x − g, which both springs share by their compliances.
         let (mut problem, _) = problem(&structure, 1, 60, Symmetry::Even, Switching::Exact);
-        let (guess, p) = closed.unknowns(&problem);
+        let (guess, p) = closed.unknowns(structure.model(), &problem);
         let (x, _) = settle(&mut problem, guess, p);
-        let point = problem.modal_point(&x, 0.0).unwrap();
+        let point = structure.modal_point(&mut problem, &x, 0.0).unwrap();
         let top = point.coefficients.value(0, 0.0);
         let force = closed.k_s * (top - GAP);
         assert!((point.peak_contact_force / force - 1.0).abs() < 1e-12);
@@ -228,7 +227,7 @@ fn mixed_shooting_before_an_elastic_stop_is_two_springs_in_series() {
 /// Frequency at twice the energy of the largest displacement 1.7 before the rigid stop.
 fn frequency(structure: &CondensedStructure, harmonics: usize, guess: &Oscillator) -> f64 {
     let (mut problem, start) = problem(structure, 1, harmonics, Symmetry::Even, Switching::Exact);
-    let (_, p) = guess.unknowns(&problem);
+    let (_, p) = guess.unknowns(structure.model(), &problem);
     let branch = follow(&mut problem, &start, p.exp());
     let (x, residual) = settle(&mut problem, branch.points.last().unwrap().x.clone(), p);
     assert!(residual < 1e-11, "residual {residual:e}");

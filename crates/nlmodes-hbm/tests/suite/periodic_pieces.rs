@@ -131,7 +131,7 @@ fn the_function_of_a_boundary_vanishes_where_the_pattern_of_a_mode_changes() {
         for symmetry in [Symmetry::Even, Symmetry::None] {
             let (mut system, _) = problem(&structure, 1, 5, symmetry, Switching::Exact);
             assert_eq!(system.contact_iterations(), 0);
-            let unknowns = (system.series(), system.frequency_index());
+            let unknowns = (system.series(), system.n_coefficients());
             let (known, all) = changes(&mut system, unknowns, 150);
             assert!(all > 8 && 4 * known > 3 * all, "{symmetry:?}: {known} of {all}");
             assert!(system.contact_iterations() > 0);

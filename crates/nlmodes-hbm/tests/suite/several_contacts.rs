@@ -4,7 +4,7 @@ use crate::support;
 
 use nlmodes_contact::{SOLVER_NAMES, solver_by_name};
 use nlmodes_continuation::EventKind;
-use nlmodes_hbm::{CondensedStructure, MixedShooting, MixedShootingSettings, Switching, Symmetry, grazing};
+use nlmodes_hbm::{CondensedStructure, PeriodicSettings, Switching, Symmetry, grazing};
 use nlmodes_model::reduction::HeldModes;
 use nlmodes_model::{Side, StructuralModel};
 use support::{FullMatrices, condense, fitted_slope, follow, frequency_ratio, problem, rod, stops};
@@ -31,12 +31,14 @@ fn contacts_obey_statics_and_complementarity_at_every_instant() {
         assert!(branch.points.last().unwrap().p > ratio.ln() - 1e-12, "{name}: {:?}", branch.stop);
         let mut touched = [false; 2];
         for point in branch.points.iter().step_by(3) {
-            let modal = problem.modal_point(&point.x, point.residual).unwrap();
+            let modal = structure.modal_point(&mut problem, &point.x, point.residual).unwrap();
             assert!(full.equation_8_defect(&modal) < 1e-11, "{name}: {:e}", full.equation_8_defect(&modal));
             let checked = problem.check_contact(&point.x, 500).unwrap();
             let worst = checked.penetration.max(checked.tension).max(checked.complementarity);
             assert!(worst < 1e-11, "{name}: {checked:?}");
-            let histories = [0, 1].map(|c| problem.time_history(&point.x, c, 200, "").unwrap());
+            let histories = [0, 1].map(|c| {
+                problem.equidistant_histories(&point.x, structure.model().contacts(), 200, "").unwrap().swap_remove(c)
+            });
             for j in 0..=200 {
                 let tau = std::f64::consts::TAU * j as f64 / 200.0;
                 let b = full.free_position(&modal, tau);
@@ -104,10 +106,10 @@ fn facing_stops_are_one_stop_until_the_far_one_is_reached() {
 
 fn with_solver(structure: &CondensedStructure, name: &str) -> Result<f64, String> {
     let start = grazing(structure, 1).map_err(|e| e.to_string())?;
-    let settings = MixedShootingSettings { harmonics: 2, symmetry: Symmetry::Even, switching: Switching::Exact };
+    let settings = (PeriodicSettings { harmonics: 2, ..PeriodicSettings::default() }, Symmetry::Even);
     let solver = solver_by_name(name).map_err(|e| e.to_string())?;
     let mut problem =
-        MixedShooting::new(structure, settings, start.scales(), solver.as_ref()).map_err(|e| format!("{e:?}"))?;
+        structure.conservative_mode(settings, start.scales(), solver.as_ref()).map_err(|e| format!("{e:?}"))?;
     let branch = follow(&mut problem, &start, 2.0);
     let last = branch.points.last().unwrap();
     if (last.p - 2.0_f64.ln()).abs() > 1e-12 {

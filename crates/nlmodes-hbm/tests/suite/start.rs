@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use nlmodes_contact::solver_by_name;
 use nlmodes_fem::{Beam, Direction, MassMatrix, Material, Mesh, Section, Stop, Support};
-use nlmodes_hbm::{HbmError, MAX_HARMONICS, MixedShooting, MixedShootingSettings, Switching, Symmetry, grazing};
+use nlmodes_hbm::{HbmError, MAX_HARMONICS, PeriodicSettings, Switching, Symmetry, grazing};
 use nlmodes_linalg::sparse_from_triplets;
 use nlmodes_model::{Contact, Dof, DofKind, Side, StructuralModel, linear_modes};
 use support::{condense, follow, problem, rod, settle, two_element_rod};
@@ -160,8 +160,8 @@ fn a_stop_that_touches_at_rest_has_no_linear_motion_before_it() {
 fn set_up(harmonics: usize, switching: Switching) -> Result<(), HbmError> {
     let structure = two_element_rod();
     let scales = grazing(&structure, 1).unwrap().scales();
-    let settings = MixedShootingSettings { harmonics, symmetry: Symmetry::Even, switching };
-    MixedShooting::new(&structure, settings, scales, solver_by_name("active-set").unwrap().as_ref()).map(drop)
+    let settings = (PeriodicSettings { harmonics, switching, ..PeriodicSettings::default() }, Symmetry::Even);
+    structure.conservative_mode(settings, scales, solver_by_name("active-set").unwrap().as_ref()).map(drop)
 }
 
 #[test]
@@ -200,7 +200,7 @@ fn a_pressed_rod_begins_at_the_held_mode_with_the_force_just_vanishing() {
     let (mut problem, start) = problem(&structure, 1, 1, Symmetry::Even, Switching::Exact);
     let branch = follow(&mut problem, &start, 2.0);
     assert!((branch.points.last().unwrap().p - 2.0_f64.ln()).abs() < 1e-12, "{:?}", branch.stop);
-    let frequency = problem.frequency_index();
+    let frequency = problem.n_coefficients();
     assert!(branch.points[1..].windows(2).all(|w| w[1].x[frequency] < w[0].x[frequency]));
     // Describing function of max(b, stop) with the contact angle as parameter, in Python: 1 − 0.004048549926833.
     let end = branch.points.last().unwrap().x[frequency];

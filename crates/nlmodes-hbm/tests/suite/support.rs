@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 
 use nlmodes_contact::solver_by_name;
 use nlmodes_continuation::{Bound, Branch, Continuation, Linearization, ParametricSystem};
-use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting, MixedShootingSettings, Switching, Symmetry, grazing};
+use nlmodes_hbm::{CondensedStructure, Grazing, PeriodicSettings, PeriodicSystem, Switching, Symmetry, grazing};
 use nlmodes_linalg::{SparseMatrix, sparse_from_triplets};
 use nlmodes_modal::ModalPoint;
 use nlmodes_model::{
@@ -76,21 +76,21 @@ pub fn condense_tips(model: &StructuralModel, rule: Option<&dyn MassRedistributi
     CondensedStructure::new(MasslessContactModel::with_spring_tips(model, rule).unwrap(), n).unwrap()
 }
 
-pub fn problem<'s>(
-    structure: &'s CondensedStructure,
+pub fn problem(
+    structure: &CondensedStructure,
     mode: usize,
     harmonics: usize,
     symmetry: Symmetry,
     switching: Switching,
-) -> (MixedShooting<'s>, Grazing) {
+) -> (PeriodicSystem, Grazing) {
     let start = grazing(structure, mode).unwrap();
-    let settings = MixedShootingSettings { harmonics, symmetry, switching };
+    let settings = (PeriodicSettings { harmonics, switching, ..PeriodicSettings::default() }, symmetry);
     let solver = solver_by_name("active-set").unwrap();
-    (MixedShooting::new(structure, settings, start.scales(), solver.as_ref()).unwrap(), start)
+    (structure.conservative_mode(settings, start.scales(), solver.as_ref()).unwrap(), start)
 }
 
 /// Follows the branch from grazing to `ratio` times the energy there.
-pub fn follow(problem: &mut MixedShooting, start: &Grazing, ratio: f64) -> Branch {
+pub fn follow(problem: &mut PeriodicSystem, start: &Grazing, ratio: f64) -> Branch {
     let dim = problem.dim();
     let (x, direction) = problem.start(start);
     let bounds = vec![Bound { coordinate: dim, min: -8.0, max: ratio.ln() }];
@@ -104,11 +104,11 @@ pub fn frequency_ratio(structure: &CondensedStructure, harmonics: usize, switchi
     let branch = follow(&mut problem, &start, ratio);
     let last = branch.points.last().unwrap();
     assert!((last.p - ratio.ln()).abs() < 1e-12, "ended at {} of {ratio}: {:?}", last.p.exp(), branch.stop);
-    last.x[problem.frequency_index()]
+    last.x[problem.n_coefficients()]
 }
 
 /// Newton's method at the fixed parameter `p`: unknowns and largest residual.
-pub fn settle(problem: &mut MixedShooting, mut x: Vec<f64>, p: f64) -> (Vec<f64>, f64) {
+pub fn settle(problem: &mut PeriodicSystem, mut x: Vec<f64>, p: f64) -> (Vec<f64>, f64) {
     let n = problem.dim();
     let mut at = Linearization::new(n);
     for _ in 0..40 {

@@ -5,7 +5,7 @@ use crate::support;
 
 use std::f64::consts::{PI, TAU};
 
-use nlmodes_hbm::{MixedShooting, Switching, Symmetry};
+use nlmodes_hbm::{PeriodicSystem, Switching, Symmetry};
 use support::{fitted_slope, problem, settle, two_element_rod};
 
 /// The motion with amplitude `A` while free, in units `EA = ρA = L = g₀ = 1`.
@@ -55,7 +55,7 @@ impl ClosedForm {
 
     /// Scaled unknowns of the motion, to begin Newton's method with: the gap opens by −x, and the scales are 1 and
     /// √6.
-    fn unknowns(&self, problem: &MixedShooting) -> (Vec<f64>, f64) {
+    fn unknowns(&self, problem: &PeriodicSystem) -> (Vec<f64>, f64) {
         let (h, samples) = (problem.series().n_harmonics, 1 << 13);
         let cosine = |n: usize| {
             let sum: f64 = (0..samples)
@@ -78,7 +78,7 @@ fn computed(closed: &ClosedForm, harmonics: usize, switching: Switching) -> (f64
     let (guess, p) = closed.unknowns(&problem);
     let (x, residual) = settle(&mut problem, guess, p);
     assert!(residual < 1e-11, "{harmonics} harmonics, {switching:?}: residual {residual:e}");
-    let point = problem.modal_point(&x, residual).unwrap();
+    let point = structure.modal_point(&mut problem, &x, residual).unwrap();
     assert!((point.kinetic_energy / closed.kinetic() - 1.0).abs() < 1e-10);
     (point.omega / closed.omega() - 1.0, point.total_energy)
 }
@@ -95,7 +95,7 @@ fn energy_spread(closed: &ClosedForm, harmonics: usize) -> f64 {
     let (mut problem, _) = problem(&structure, 1, harmonics, Symmetry::Even, Switching::Exact);
     let (guess, p) = closed.unknowns(&problem);
     let (x, residual) = settle(&mut problem, guess, p);
-    let point = problem.modal_point(&x, residual).unwrap();
+    let point = structure.modal_point(&mut problem, &x, residual).unwrap();
     let spread = (0..4096).map(|j| TAU * j as f64 / 4096.0).map(|tau| {
         let (x, v) = (point.coefficients.value(0, tau), point.omega * point.coefficients.derivative(0, tau, 1));
         let strain = if x > 1.0 { 2.0 * x * x - 2.0 * x + 1.0 } else { x * x };

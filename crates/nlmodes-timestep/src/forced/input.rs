@@ -2,6 +2,7 @@ use num_complex::Complex64;
 
 use super::ForcedStructure;
 use crate::TimestepError;
+use crate::error::{agrees, fits};
 
 /// Degree of the polynomials by which loads are given piece by piece.
 pub const DEGREE: usize = 11;
@@ -103,10 +104,7 @@ impl ForcedStructure {
     }
 
     fn moving(&self, by_loads: &[Complex64]) -> Result<Vec<Complex64>, TimestepError> {
-        let (what, expected, found) = ("harmonics of the load at a place", self.loads.len(), by_loads.len());
-        if expected != found {
-            return Err(TimestepError::Dimension { what, expected, found });
-        }
+        agrees("harmonics of the load at a place", self.loads.len(), by_loads.len())?;
         Ok(by_loads.to_vec())
     }
 
@@ -118,16 +116,5 @@ impl ForcedStructure {
         fits("modal steady forces", self.n_modes(), modal)?;
         self.steady = modal.to_vec();
         Ok(())
-    }
-}
-
-/// Whether there are as many values as expected, all finite.
-pub(super) fn fits(what: &'static str, expected: usize, values: &[f64]) -> Result<(), TimestepError> {
-    if values.len() != expected {
-        return Err(TimestepError::Dimension { what, expected, found: values.len() });
-    }
-    match values.iter().all(|v| v.is_finite()) {
-        true => Ok(()),
-        false => Err(TimestepError::NotFinite { what }),
     }
 }

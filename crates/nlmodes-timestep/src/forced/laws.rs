@@ -11,13 +11,14 @@ use std::sync::{Arc, LazyLock};
 
 use nlmodes_linalg::{DenseLu, Mat, gauss_legendre};
 
+use super::ForcedStructure;
 use super::flow::Flow;
 use super::input::{DEGREE, Observed};
 use super::linear::LinearFlow;
 use super::series::{FlowSeries, ORDER, Polynomial, terms_within};
 use super::trajectory::Running;
-use super::{ForcedStructure, input};
 use crate::TimestepError;
+use crate::error::{fits, positive};
 use crate::first_root::first_negative;
 
 pub(super) use transition::LawTransitions;
@@ -151,7 +152,7 @@ impl ForcedStructure {
         contacts: &[f64],
         moved: &[f64],
     ) -> Result<(), TimestepError> {
-        input::fits("loads that move the place of a law", self.inputs.len() + 1, moved)?;
+        fits("loads that move the place of a law", self.inputs.len() + 1, moved)?;
         self.push_input(modes, contacts)?;
         let input = self.inputs.len() - 1;
         // What this law does to the others is what they do to it.
@@ -166,10 +167,8 @@ impl ForcedStructure {
     /// # Errors
     /// [`TimestepError::NotPositive`].
     pub fn set_law_settings(&mut self, settings: LawSettings) -> Result<(), TimestepError> {
-        let numbers = [("tolerance of laws", settings.tolerance), ("step of laws (s)", settings.step.unwrap_or(1.0))];
-        if let Some(&(what, value)) = numbers.iter().find(|(_, value)| !(value.is_finite() && *value > 0.0)) {
-            return Err(TimestepError::NotPositive { what, value });
-        }
+        positive("tolerance of laws", settings.tolerance)?;
+        positive("step of laws (s)", settings.step.unwrap_or(1.0))?;
         self.law_settings = settings;
         Ok(())
     }

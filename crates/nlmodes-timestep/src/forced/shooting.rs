@@ -4,6 +4,7 @@ use nlmodes_linalg::{DenseLu, Mat, eigenvalues};
 
 use super::trajectory::{Piece, Propagator};
 use super::{ForcedMotion, ForcedStructure};
+use crate::error::{agrees, fits, positive};
 use crate::phase::product;
 use crate::{MAX_SHOOTING_MODES, TimestepError};
 
@@ -67,25 +68,17 @@ impl ForcedStructure {
         periods: usize,
         near: &[Vec<f64>],
     ) -> Result<ForcedMotion, TimestepError> {
-        let numbers = [("frequency (rad/s)", omega), ("periods of the load", periods as f64)];
-        for (what, value) in numbers.into_iter().chain([("states of the motion", near.len() as f64)]) {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(TimestepError::NotPositive { what, value });
-            }
-        }
+        positive("frequency (rad/s)", omega)?;
+        positive("periods of the load", periods as f64)?;
+        positive("states of the motion", near.len() as f64)?;
         let (m, n) = (self.n_modes(), self.n_states());
         if m > MAX_SHOOTING_MODES {
             return Err(TimestepError::TooManyModes { found: m, most: MAX_SHOOTING_MODES });
         }
         for state in near {
-            if state.len() != n {
-                let (what, found) = ("entries of the state", state.len());
-                return Err(TimestepError::Dimension { what, expected: n, found });
-            }
-            if state.iter().any(|v| !v.is_finite()) || !level.is_finite() {
-                return Err(TimestepError::NotFinite { what: "state of the motion" });
-            }
+            fits("entries of the state", n, state)?;
         }
+        fits("level of the load", 1, &[level])?;
         let mut propagator = Propagator::new(self, omega, level)?;
         let duration = TAU * periods as f64 / omega;
         let states = near.iter().map(|state| self.in_units(state, self.rate().recip())).collect();
@@ -133,10 +126,7 @@ impl ForcedStructure {
     /// # Errors
     /// As [`periodic`](Self::periodic).
     pub fn after(&self, level: f64, omega: f64, periods: usize, state: &[f64]) -> Result<Vec<f64>, TimestepError> {
-        let expected = self.n_states();
-        if state.len() != expected {
-            return Err(TimestepError::Dimension { what: "entries of the state", expected, found: state.len() });
-        }
+        agrees("entries of the state", self.n_states(), state.len())?;
         let x = self.in_units(state, self.rate().recip());
         let end = Propagator::new(self, omega, level)?.propagate(&x, 0.0, TAU * periods as f64 / omega)?.1;
         Ok(self.in_units(&end, self.rate()))

@@ -3,9 +3,9 @@ use std::f64::consts::TAU;
 use super::ForcedMotion;
 use super::ForcedStructure;
 use super::flow::Flow;
-use super::input::fits;
 use super::trajectory::Propagator;
 use crate::TimestepError;
+use crate::error::{fits, positive};
 use crate::phase::{dot, product};
 
 /// Powers of the transition matrix by which the direction of its largest multiplier is found.
@@ -36,11 +36,8 @@ impl ForcedStructure {
         goes_on: &mut dyn FnMut(Flash<'_>) -> bool,
     ) -> Result<(), TimestepError> {
         fits("entries of the state", self.n_states(), state)?;
-        for (what, value) in [("frequency (rad/s)", omega), ("states of a period", n as f64)] {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(TimestepError::NotPositive { what, value });
-            }
-        }
+        positive("frequency (rad/s)", omega)?;
+        positive("states of a period", n as f64)?;
         let mut propagator = Propagator::new(self, omega, level)?;
         let mut x = self.in_units(state, self.rate().recip());
         loop {

@@ -1,11 +1,11 @@
 use std::f64::consts::TAU;
 
 use super::flow::Flow;
-use super::input::fits;
 use super::series::{FlowSeries, ORDER, Polynomial};
 use super::trajectory::{Piece, Propagator, Running};
 use super::{ForcedStructure, Signal};
 use crate::TimestepError;
+use crate::error::{agrees, fits, positive};
 use crate::first_root::Guard;
 
 /// A blow: modal velocities that change at an instant, by what an impulse pushes.
@@ -238,14 +238,9 @@ impl ForcedStructure {
     }
 
     fn check(&self, state: &[f64], settings: &TransientSettings<'_>) -> Result<(), TimestepError> {
-        if !(settings.duration.is_finite() && settings.duration > 0.0) {
-            return Err(TimestepError::NotPositive { what: "duration (s)", value: settings.duration });
-        }
+        positive("duration (s)", settings.duration)?;
         fits("entries of the state", self.n_states(), state)?;
-        let (expected, found) = (self.inputs.len() - self.laws.len(), settings.signals.len());
-        if expected != found {
-            return Err(TimestepError::Dimension { what: "courses of loads", expected, found });
-        }
+        agrees("courses of loads", self.inputs.len() - self.laws.len(), settings.signals.len())?;
         settings.blows.iter().try_for_each(|blow| fits("modal impulses of a blow", self.n_modes(), &blow.modal))
     }
 }

@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 use nlmodes_contact::solver_by_name;
 use nlmodes_continuation::{Bound, Continuation, ParametricSystem};
 use nlmodes_fem::{Direction, Stop};
-use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting, MixedShootingSettings, Switching, Symmetry, grazing};
+use nlmodes_hbm::{CondensedStructure, Grazing, PeriodicSettings, PeriodicSystem, Switching, Symmetry, grazing};
 use nlmodes_linalg::DenseLu;
 use nlmodes_modal::ModalPoint;
 use nlmodes_model::{MasslessContactModel, Side};
@@ -20,15 +20,11 @@ fn condensed(model: &MasslessContactModel) -> CondensedStructure {
     CondensedStructure::new(model.clone(), usize::MAX).unwrap()
 }
 
-fn mixed_shooting(
-    structure: &CondensedStructure,
-    harmonics: usize,
-    switching: Switching,
-) -> (MixedShooting<'_>, Grazing) {
+fn mixed_shooting(structure: &CondensedStructure, harmonics: usize, switching: Switching) -> (PeriodicSystem, Grazing) {
     let start = grazing(structure, 1).unwrap();
-    let settings = MixedShootingSettings { harmonics, symmetry: Symmetry::Even, switching };
+    let settings = (PeriodicSettings { harmonics, switching, ..PeriodicSettings::default() }, Symmetry::Even);
     let solver = solver_by_name("active-set").unwrap();
-    (MixedShooting::new(structure, settings, start.scales(), solver.as_ref()).unwrap(), start)
+    (structure.conservative_mode(settings, start.scales(), solver.as_ref()).unwrap(), start)
 }
 
 /// The point of the branch at `ratio` times the grazing energy.
@@ -42,7 +38,7 @@ fn point_at(structure: &CondensedStructure, harmonics: usize, switching: Switchi
     let last = branch.points.last().unwrap();
     assert!((last.p - ratio.ln()).abs() < 1e-12, "ended at {}: {:?}", last.p.exp(), branch.stop);
     let (x, residual) = settle(&mut problem, last.x.clone(), last.p);
-    problem.modal_point(&x, residual).unwrap()
+    structure.modal_point(&mut problem, &x, residual).unwrap()
 }
 
 /// The exact motion of the same energy next to the point, and the scales.
@@ -106,7 +102,7 @@ impl Comparison {
         let p = (self.reference.kinetic_energy / start.energy).ln();
         let (x, residual) = settle(&mut problem, x, p);
         assert!(residual < 1e-11, "{harmonics} harmonics: {residual:e}");
-        problem.modal_point(&x, residual).unwrap()
+        self.structure.modal_point(&mut problem, &x, residual).unwrap()
     }
 
     fn errors(&self, harmonics: usize) -> Errors {

@@ -2,7 +2,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use nlmodes_continuation::{ParametricSystem, StopReason};
-use nlmodes_hbm::{CondensedStructure, Grazing, MixedShooting, Switching};
+use nlmodes_hbm::{CondensedStructure, Grazing, PeriodicSystem, Switching};
 use nlmodes_modal::{BranchEnd, Coordinate, EndReason, ModalBranch, ModalPoint, TimeHistory, Tongue, tongues};
 use nlmodes_model::ContactCoordinates;
 use nlmodes_timestep::ModeShooting;
@@ -187,7 +187,7 @@ impl ComputedBranch {
     ///
     /// # Panics
     /// If there is no such point.
-    pub fn problem(&self, point: usize) -> Result<MixedShooting<'_>, BranchError> {
+    pub fn problem(&self, point: usize) -> Result<PeriodicSystem, BranchError> {
         match self.settings.method {
             BranchMethod::HarmonicBalance => problem(&self.structure, &self.settings_at(point), &self.grazing),
             BranchMethod::Shooting => Err(BranchError::NotHarmonic),
@@ -208,12 +208,6 @@ impl ComputedBranch {
             BranchMethod::HarmonicBalance => Ok(None),
             BranchMethod::Shooting => exact(self.structure.model(), &self.settings, &self.grazing).map(Some),
         }
-    }
-
-    /// Points that are stable, unstable, and of unknown stability.
-    pub fn stability_counts(&self) -> [usize; 3] {
-        let count = |wanted| self.branch.points.iter().filter(|p| p.stability.and_then(|s| s.stable) == wanted).count();
-        [count(Some(true)), count(Some(false)), count(None)]
     }
 }
 

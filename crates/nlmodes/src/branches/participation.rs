@@ -17,7 +17,7 @@ impl ComputedBranch {
             let is_whole = point.coefficients.n_coordinates() == self.structure.model().dofs().len();
             let modal = match is_whole {
                 true => self.structure.modal_coordinates(&point.coefficients, modes)?,
-                false => lowest(&self.problem(number)?.modal_coordinates(x)?, modes),
+                false => lowest(&self.problem(number)?.motion(x, 0.0)?.modal_coefficients(), modes),
             };
             let fundamental = point.coefficients.of(anchor)[1];
             Ok(Participation::of_point(point, &modal, fundamental).map_err(HbmError::from)?)

@@ -1,7 +1,7 @@
 //! The periodic problem of a branch, in harmonics or exact.
 
 use nlmodes_continuation::{Boundary, Linearization, ParametricSystem, Scaling};
-use nlmodes_hbm::{CondensedStructure, Grazing, HbmError, MixedShooting};
+use nlmodes_hbm::{CondensedStructure, Grazing, HbmError, PeriodicSystem};
 use nlmodes_modal::{ClosedSpan, HarmonicCoefficients, ModalPoint, TimeHistory};
 use nlmodes_timestep::{ModeShooting, TimestepError};
 use thiserror::Error;
@@ -30,13 +30,13 @@ pub(super) struct Periodic<'s> {
 }
 
 enum Equations<'s> {
-    Harmonics(Box<MixedShooting<'s>>),
+    Harmonics(&'s CondensedStructure, Box<PeriodicSystem>),
     Exact(Box<ModeShooting>),
 }
 
 impl<'s> Periodic<'s> {
-    pub fn in_harmonics(problem: MixedShooting<'s>, settings: &BranchSettings) -> Self {
-        Self { equations: Equations::Harmonics(Box::new(problem)), watch: settings.watch.clone() }
+    pub fn in_harmonics(structure: &'s CondensedStructure, problem: PeriodicSystem, settings: &BranchSettings) -> Self {
+        Self { equations: Equations::Harmonics(structure, Box::new(problem)), watch: settings.watch.clone() }
     }
 
     pub fn exact(problem: ModeShooting, settings: &BranchSettings) -> Self {
@@ -46,15 +46,15 @@ impl<'s> Periodic<'s> {
     /// Unknowns at grazing and the direction of growing amplitude.
     pub fn start(&self, grazing: &Grazing) -> (Vec<f64>, Vec<f64>) {
         match &self.equations {
-            Equations::Harmonics(problem) => problem.start(grazing),
+            Equations::Harmonics(_, problem) => problem.start(grazing),
             Equations::Exact(problem) => problem.start(),
         }
     }
 
     /// The problem in harmonics, if it is one.
-    pub fn harmonics(&self) -> Option<&MixedShooting<'s>> {
+    pub fn harmonics(&self) -> Option<&PeriodicSystem> {
         match &self.equations {
-            Equations::Harmonics(problem) => Some(problem),
+            Equations::Harmonics(_, problem) => Some(problem),
             Equations::Exact(_) => None,
         }
     }
@@ -62,7 +62,7 @@ impl<'s> Periodic<'s> {
     /// Index of the frequency among the unknowns.
     pub fn frequency_index(&self) -> usize {
         match &self.equations {
-            Equations::Harmonics(problem) => problem.frequency_index(),
+            Equations::Harmonics(_, problem) => problem.n_coefficients(),
             Equations::Exact(problem) => problem.frequency_index(),
         }
     }
@@ -70,7 +70,7 @@ impl<'s> Periodic<'s> {
     /// Angular frequency of the unknowns `x`, rad/s.
     pub fn omega(&self, x: &[f64]) -> f64 {
         match &self.equations {
-            Equations::Harmonics(problem) => problem.omega(x),
+            Equations::Harmonics(_, problem) => problem.omega(x),
             Equations::Exact(problem) => problem.omega(x),
         }
     }
@@ -78,7 +78,7 @@ impl<'s> Periodic<'s> {
     /// Iterations of the contact solver.
     pub fn contact_iterations(&self) -> usize {
         match &self.equations {
-            Equations::Harmonics(problem) => problem.contact_iterations(),
+            Equations::Harmonics(_, problem) => problem.contact_iterations(),
             Equations::Exact(_) => 0,
         }
     }
@@ -86,7 +86,7 @@ impl<'s> Periodic<'s> {
     /// The point with the unknowns `x`; that of an exact motion may have more harmonics than were asked for.
     pub fn modal_point(&mut self, x: &[f64], residual: f64) -> Result<ModalPoint, PeriodicError> {
         Ok(match &mut self.equations {
-            Equations::Harmonics(problem) => problem.modal_point(x, residual)?,
+            Equations::Harmonics(structure, problem) => structure.modal_point(problem, x, residual)?,
             Equations::Exact(problem) => problem.modal_point(x, residual)?,
         })
     }
@@ -99,7 +99,7 @@ impl<'s> Periodic<'s> {
         motion: &HarmonicCoefficients,
     ) -> Result<HarmonicCoefficients, PeriodicError> {
         Ok(match &mut self.equations {
-            Equations::Harmonics(problem) => problem.modal_coordinates(x)?,
+            Equations::Harmonics(_, problem) => problem.motion(x, 0.0)?.modal_coefficients(),
             // Exact motions are those of all degrees of freedom.
             Equations::Exact(_) => structure.modal_coordinates(motion, usize::MAX)?,
         })
@@ -113,7 +113,9 @@ impl<'s> Periodic<'s> {
         label: &str,
     ) -> Result<Vec<TimeHistory>, PeriodicError> {
         Ok(match &mut self.equations {
-            Equations::Harmonics(problem) => problem.time_histories(x, samples, label)?,
+            Equations::Harmonics(structure, problem) => {
+                problem.time_histories(x, structure.model().contacts(), samples, label)?
+            }
             Equations::Exact(problem) => problem.time_histories(x, samples, label)?,
         })
     }
@@ -126,7 +128,9 @@ impl<'s> Periodic<'s> {
         label: &str,
     ) -> Result<Vec<TimeHistory>, PeriodicError> {
         Ok(match &mut self.equations {
-            Equations::Harmonics(problem) => problem.equidistant_histories(x, samples, label)?,
+            Equations::Harmonics(structure, problem) => {
+                problem.equidistant_histories(x, structure.model().contacts(), samples, label)?
+            }
             Equations::Exact(problem) => problem.equidistant_histories(x, samples, label)?,
         })
     }
@@ -135,7 +139,7 @@ impl<'s> Periodic<'s> {
     /// whose forces are none.
     pub fn closed_spans(&mut self, x: &[f64]) -> Result<Option<Vec<Vec<ClosedSpan>>>, PeriodicError> {
         Ok(match &mut self.equations {
-            Equations::Harmonics(problem) => Some(problem.closed_spans(x)?),
+            Equations::Harmonics(_, problem) => Some(problem.closed_spans(x)?),
             Equations::Exact(_) => None,
         })
     }
@@ -146,7 +150,7 @@ impl ParametricSystem for Periodic<'_> {
 
     fn dim(&self) -> usize {
         match &self.equations {
-            Equations::Harmonics(problem) => problem.dim(),
+            Equations::Harmonics(_, problem) => problem.dim(),
             Equations::Exact(problem) => problem.dim(),
         }
     }
@@ -154,7 +158,7 @@ impl ParametricSystem for Periodic<'_> {
     fn linearize(&mut self, x: &[f64], p: f64, out: &mut Linearization) -> Result<(), PeriodicError> {
         self.watch.evaluates()?;
         match &mut self.equations {
-            Equations::Harmonics(problem) => Ok(problem.linearize(x, p, out)?),
+            Equations::Harmonics(_, problem) => Ok(problem.linearize(x, p, out)?),
             Equations::Exact(problem) => Ok(problem.linearize(x, p, out)?),
         }
     }
@@ -165,21 +169,21 @@ impl ParametricSystem for Periodic<'_> {
 
     fn pattern(&self) -> u64 {
         match &self.equations {
-            Equations::Harmonics(problem) => problem.pattern(),
+            Equations::Harmonics(_, problem) => problem.pattern(),
             Equations::Exact(problem) => problem.pattern(),
         }
     }
 
     fn pattern_at(&mut self, z: &[f64]) -> Option<u64> {
         match &mut self.equations {
-            Equations::Harmonics(problem) => problem.pattern_at(z),
+            Equations::Harmonics(_, problem) => problem.pattern_at(z),
             Equations::Exact(_) => None,
         }
     }
 
     fn boundary(&mut self, from: &[f64], to: &[f64]) -> Option<Boundary> {
         match &mut self.equations {
-            Equations::Harmonics(problem) => problem.boundary(from, to),
+            Equations::Harmonics(_, problem) => problem.boundary(from, to),
             // Halving finds its changes.
             Equations::Exact(_) => None,
         }
@@ -187,7 +191,7 @@ impl ParametricSystem for Periodic<'_> {
 
     fn accepted(&mut self, x: &[f64], p: f64) {
         match &mut self.equations {
-            Equations::Harmonics(problem) => problem.accepted(x, p),
+            Equations::Harmonics(_, problem) => problem.accepted(x, p),
             Equations::Exact(problem) => problem.accepted(x, p),
         }
     }

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use nlmodes_contact::solver_by_name;
 use nlmodes_continuation::{AtBranchPoint, Bound, Continuation, StepSettings};
 use nlmodes_hbm::{
-    CondensedStructure, Grazing, MixedShooting, MixedShootingSettings, Symmetry, TruncationEstimator, grazing_opened,
+    CondensedStructure, Grazing, PeriodicSettings, PeriodicSystem, Symmetry, TruncationEstimator, grazing_opened,
 };
 use nlmodes_model::MasslessContactModel;
 use nlmodes_timestep::{GalerkinReduction, MAX_SHOOTING_MODES, ModeShooting, ShootingScales, TimestepError};
@@ -89,7 +89,9 @@ pub(super) fn periodic<'s>(
     start: &Grazing,
 ) -> Result<Periodic<'s>, BranchError> {
     Ok(match settings.method {
-        BranchMethod::HarmonicBalance => Periodic::in_harmonics(problem(structure, settings, start)?, settings),
+        BranchMethod::HarmonicBalance => {
+            Periodic::in_harmonics(structure, problem(structure, settings, start)?, settings)
+        }
         BranchMethod::Shooting => Periodic::exact(exact(structure.model(), settings, start)?, settings),
     })
 }
@@ -118,13 +120,13 @@ pub(super) fn shooting_modes(model: &MasslessContactModel, settings: &BranchSett
     Ok(count)
 }
 
-pub(super) fn problem<'s>(
-    structure: &'s CondensedStructure,
+pub(super) fn problem(
+    structure: &CondensedStructure,
     settings: &BranchSettings,
     start: &Grazing,
-) -> Result<MixedShooting<'s>, BranchError> {
+) -> Result<PeriodicSystem, BranchError> {
     let solver = solver_by_name(&settings.contact_solver)?;
-    Ok(MixedShooting::new(structure, harmonic_settings(settings), start.scales(), solver.as_ref())?)
+    Ok(structure.conservative_mode(harmonic_settings(settings), start.scales(), solver.as_ref())?)
 }
 
 pub(super) fn estimator<'s>(
@@ -136,8 +138,9 @@ pub(super) fn estimator<'s>(
     Ok(TruncationEstimator::new(structure, harmonic_settings(settings), start.scales(), solver.as_ref())?)
 }
 
-fn harmonic_settings(settings: &BranchSettings) -> MixedShootingSettings {
-    MixedShootingSettings { harmonics: settings.harmonics, symmetry: settings.symmetry, switching: settings.switching }
+fn harmonic_settings(settings: &BranchSettings) -> (PeriodicSettings, Symmetry) {
+    let &BranchSettings { harmonics, switching, symmetry, .. } = settings;
+    (PeriodicSettings { harmonics, switching, ..PeriodicSettings::default() }, symmetry)
 }
 
 pub(super) fn continuation(settings: &BranchSettings, start: &Grazing, frequency: usize, dim: usize) -> Continuation {

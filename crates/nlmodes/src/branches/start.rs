@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
 use nlmodes_continuation::{ParametricSystem, RunLog};
-use nlmodes_hbm::{CondensedStructure, FEW_HARMONICS, Grazing, MixedShooting, harmonics_on_the_way};
+use nlmodes_hbm::{CondensedStructure, FEW_HARMONICS, Grazing, PeriodicSystem, harmonics_on_the_way};
 use nlmodes_modal::ModalPoint;
 
 use super::guide::{Guide, Guides};
@@ -43,9 +43,9 @@ pub(super) struct Place {
     pub dim: usize,
 }
 
-impl From<&MixedShooting<'_>> for Place {
-    fn from(problem: &MixedShooting<'_>) -> Self {
-        Self { frequency: problem.frequency_index(), dim: problem.dim() }
+impl From<&PeriodicSystem> for Place {
+    fn from(problem: &PeriodicSystem) -> Self {
+        Self { frequency: problem.n_coefficients(), dim: problem.dim() }
     }
 }
 
@@ -185,7 +185,7 @@ fn exact_before_touching(
 ) -> Result<Seed, BranchError> {
     let harmonic = in_harmonics(settings);
     let seed = beginning(&mut periodic(structure, &harmonic, start)?, &harmonic, start, log)?;
-    let point = problem(structure, &harmonic, start)?.modal_point(&seed.x, 0.0)?;
+    let point = structure.modal_point(&mut problem(structure, &harmonic, start)?, &seed.x, 0.0)?;
     exact_seed(structure, settings, start, (Target::Energy(1.0), true), &point, log)
 }
 
@@ -230,7 +230,7 @@ fn refined_from(
     let coarse = BranchSettings { harmonics: first, ..settings.clone() };
     let coarse_problem = problem(structure, &coarse, start)?;
     let mut series = coarse_problem.series();
-    let mut coarse_problem = Periodic::in_harmonics(coarse_problem, &coarse);
+    let mut coarse_problem = Periodic::in_harmonics(structure, coarse_problem, &coarse);
     let guide = guides.of(&mut coarse_problem, &coarse, start, log)?;
     let (mut x, mut p) = guide.at(&mut coarse_problem, &coarse, start, target, log)?;
     for harmonics in harmonics_on_the_way(first, settings.harmonics) {
@@ -241,7 +241,7 @@ fn refined_from(
         let direction = along((&problem).into(), start, target, true);
         let guess: Vec<f64> = guess.into_iter().chain([p]).collect();
         let (coordinate, _) = target.coordinate((&problem).into(), start);
-        let mut problem = Periodic::in_harmonics(problem, &step);
+        let mut problem = Periodic::in_harmonics(structure, problem, &step);
         let corrected = one_point(&step, start, &mut problem, &guess, &direction, log)
             .or_else(|| homotopy::solve(&mut problem, &guess, coordinate, &step.step, effort, log))
             .ok_or_else(|| target.not_found(format!("Newton's method fails with {harmonics} harmonics")))?;
@@ -249,7 +249,7 @@ fn refined_from(
         (x, p) = corrected;
     }
     let mut problem = self::problem(structure, settings, start)?;
-    let point = problem.modal_point(&x, 0.0)?;
+    let point = structure.modal_point(&mut problem, &x, 0.0)?;
     let direction = along((&problem).into(), start, target, upward);
     Ok((Seed { x, p, direction, harmonics: settings.harmonics }, point))
 }

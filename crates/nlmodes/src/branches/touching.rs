@@ -23,7 +23,7 @@ pub(super) fn beginning(
     log: &mut dyn RunLog,
 ) -> Result<Seed, BranchError> {
     match problem.harmonics() {
-        Some(harmonic) if start.touches_at_rest() => before_touching_contacts(harmonic.system(), settings, start, log),
+        Some(harmonic) if start.touches_at_rest() => before_touching_contacts(harmonic, settings, start, log),
         _ => {
             let (x, direction) = problem.start(start);
             Ok(before_contact(problem, settings, start, Seed { x, p: 0.0, direction, harmonics: settings.harmonics }))

@@ -153,6 +153,22 @@ pub enum ResponseError {
     Continuation(#[from] ContinuationError<HbmError>),
 }
 
+/// That a setting is a finite number for which something holds.
+pub(crate) fn holds(
+    what: &'static str,
+    value: f64,
+    expected: &'static str,
+    is_fine: impl FnOnce(f64) -> bool,
+) -> Result<(), ResponseError> {
+    let is_fine = value.is_finite() && is_fine(value);
+    if is_fine { Ok(()) } else { Err(ResponseError::Setting { what, value, expected }) }
+}
+
+/// That it is positive.
+pub(crate) fn positive(what: &'static str, value: f64) -> Result<(), ResponseError> {
+    holds(what, value, "a positive number", |value| value > 0.0)
+}
+
 /// A frequency in Hz, to nine digits.
 fn hz(omega: &f64) -> f64 {
     rounded(omega / std::f64::consts::TAU, 9)

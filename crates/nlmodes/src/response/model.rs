@@ -8,6 +8,7 @@ use nlmodes_hbm::{
 use nlmodes_model::reduction::{OpenModes, RestState};
 use num_complex::Complex64;
 
+use crate::response::error::{holds, positive};
 use crate::response::{BaseMotion, BaseUnit, Damping, Dashpot, ResponseError, ResponseSettings};
 
 /// A displacement as a sum of degrees of freedom with weights: a node in a direction, or a place between nodes.
@@ -95,10 +96,7 @@ impl ResponseModel {
         for dashpot in dashpots {
             self.check_weights(&dashpot.at)?;
             let value = dashpot.damping;
-            if !(value.is_finite() && value >= 0.0) {
-                let (what, expected) = ("the constant of a dashpot (N s/m)", "a number that is not negative");
-                return Err(ResponseError::Setting { what, value, expected });
-            }
+            holds("the constant of a dashpot (N s/m)", value, "a number that is not negative", |c| c >= 0.0)?;
             rows.push((self.shape_at(&dashpot.at), value));
         }
         let damping = self.structure.damping().clone().with_dashpots(&rows);
@@ -235,10 +233,7 @@ impl ResponseModel {
         turn: Complex64,
         omega_power: i32,
     ) -> Result<(), ResponseError> {
-        if harmonic == 0 || !turn.is_finite() {
-            let (what, expected) = ("the harmonic of a load", "1 or more");
-            return Err(ResponseError::Setting { what, value: harmonic as f64, expected });
-        }
+        holds("the harmonic of a load", harmonic as f64, "1 or more", |n| n > 0.0 && turn.is_finite())?;
         let load = self.open.load(force)?;
         let turned = |values: &[f64]| values.iter().map(|v| turn * *v).collect::<Vec<_>>();
         self.terms.push(LoadTerm { harmonic, omega_power, modal: turned(&load.modal), gaps: turned(&load.gaps) });
@@ -252,10 +247,10 @@ impl ResponseModel {
     /// # Errors
     /// [`ResponseError::Setting`] for sizes that do not agree, or what the reduction reports.
     pub fn push_base_motion(&mut self, base: &BaseMotion) -> Result<(), ResponseError> {
-        let (n, found) = (self.open.n_dofs(), base.inertia.len().min(base.rigid.len()));
-        if found != n || base.inertia.len() != base.rigid.len() {
-            let (what, expected) = ("entries of the base motion", "one for each degree of freedom");
-            return Err(ResponseError::Setting { what, value: found as f64, expected });
+        let n = self.open.n_dofs();
+        for found in [base.inertia.len(), base.rigid.len()] {
+            let is_fine = |_| found == n;
+            holds("entries of the base motion", found as f64, "one for each degree of freedom", is_fine)?;
         }
         // ü = −ν² u; the level multiplies the amplitude of one or the other, and u is a cosine with both.
         let (acceleration, displacement) = match base.unit {
@@ -317,10 +312,7 @@ impl ResponseModel {
     /// [`ResponseError::Problem`] where the contact does not exist, has a damper already, or has no flexibility of its
     /// own: then it has mass, and a damper would make its force jump.
     pub fn add_stop_damper(&mut self, contact: usize, damper: f64) -> Result<(), ResponseError> {
-        if !(damper.is_finite() && damper > 0.0) {
-            let (what, expected) = ("the damper of a stop (N s/m)", "a positive number");
-            return Err(ResponseError::Setting { what, value: damper, expected });
-        }
+        positive("the damper of a stop (N s/m)", damper)?;
         let compliance = self.structure.stop_compliance().get(contact).copied().unwrap_or(1.0);
         if compliance == 0.0 && self.structure.damped_stop(contact).is_none() {
             let (what, expected) =

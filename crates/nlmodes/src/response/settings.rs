@@ -3,6 +3,7 @@ use std::sync::Arc;
 use nlmodes_continuation::{Bound, Budget, Watch};
 use nlmodes_hbm::{Coordinates, PeriodicSettings, Switching};
 
+use crate::response::error::{holds, positive};
 use crate::response::{FinerSettings, Gradients, ResponseError, StepLog};
 
 /// What distinguishes one curve from another on the same structure.
@@ -111,21 +112,9 @@ impl ResponseSettings {
 
     pub(crate) fn check(&self) -> Result<(), ResponseError> {
         let [low, high] = self.window;
-        if !(low.is_finite() && low > 0.0) {
-            let (what, expected) = ("the lower end of the frequency window (rad/s)", "a positive number");
-            return Err(ResponseError::Setting { what, value: low, expected });
-        }
-        if !(high.is_finite() && high > low) {
-            let (what, expected) = ("the upper end of the frequency window (rad/s)", "more than the lower end");
-            return Err(ResponseError::Setting { what, value: high, expected });
-        }
-        if self.subharmonic == 0 {
-            return Err(ResponseError::Setting {
-                what: "periods of the load in one of the motion",
-                value: 0.0,
-                expected: "1 or more",
-            });
-        }
-        Ok(())
+        positive("the lower end of the frequency window (rad/s)", low)?;
+        let is_above = |high| high > low;
+        holds("the upper end of the frequency window (rad/s)", high, "more than the lower end", is_above)?;
+        holds("periods of the load in one of the motion", self.subharmonic as f64, "1 or more", |s| s >= 1.0)
     }
 }

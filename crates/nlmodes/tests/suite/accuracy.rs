@@ -11,9 +11,7 @@ use nlmodes::branches::{
 use nlmodes::contact::solver_by_name;
 use nlmodes::continuation::{Continuation, ParametricSystem};
 use nlmodes::fem::{Beam, Direction, MassMatrix, Material, Mesh, Section, Stop, Support};
-use nlmodes::hbm::{
-    CondensedStructure, MixedShooting, MixedShootingSettings, Switching, Symmetry, TruncationEstimator, grazing,
-};
+use nlmodes::hbm::{CondensedStructure, PeriodicSettings, Symmetry, TruncationEstimator, grazing};
 use nlmodes::modal::{EndReason, Event, ModalPoint};
 use nlmodes::model::{Drop, MasslessContactModel, Side};
 use nlmodes::timestep::{ContactDynamics, Shooting, ShootingScales};
@@ -228,18 +226,17 @@ fn the_estimate_sees_resonances_far_beyond_the_harmonics() {
     let fine = compute(&model, &wanted);
     let begin = grazing(&fine.structure, 1).unwrap();
     let solver = solver_by_name("active-set").unwrap();
-    let method = |harmonics| MixedShootingSettings { harmonics, symmetry: Symmetry::Even, switching: Switching::Exact };
+    let method = |harmonics| (PeriodicSettings { harmonics, ..PeriodicSettings::default() }, Symmetry::Even);
     let mut from = (fine.unknowns[0].clone(), fine.problem(0).unwrap().series());
     for harmonics in [20, 14, 10, 8, 6] {
-        let mut problem =
-            MixedShooting::new(&fine.structure, method(harmonics), begin.scales(), solver.as_ref()).unwrap();
+        let mut problem = fine.structure.conservative_mode(method(harmonics), begin.scales(), solver.as_ref()).unwrap();
         let mut energy = vec![0.0; problem.dim() + 1];
         energy[problem.dim()] = 1.0;
         let one = Continuation { max_points: 1, ..Continuation::default() };
         let x = problem.resized(&from.0, from.1);
         let found = one.run(&mut problem, &x, 8_f64.ln(), &energy, |_| ControlFlow::Continue(())).unwrap();
         let point = found.points[0].clone();
-        let mut modal = problem.modal_point(&point.x, point.residual).unwrap();
+        let mut modal = fine.structure.modal_point(&mut problem, &point.x, point.residual).unwrap();
         let mut estimator =
             TruncationEstimator::new(&fine.structure, method(harmonics), begin.scales(), solver.as_ref()).unwrap();
         modal.error_estimate = Some(estimator.estimate(&point.x, point.p, &point.tangent).frequency);
@@ -274,8 +271,8 @@ fn few_held_modes_carry_a_rod_of_2000_elements() {
     let fine = CondensedStructure::new(model, 3 * kept).unwrap();
     let begin = grazing(&fine, 1).unwrap();
     let solver = solver_by_name("active-set").unwrap();
-    let method = MixedShootingSettings { harmonics: n, symmetry: Symmetry::Even, switching: Switching::Exact };
-    let mut problem = MixedShooting::new(&fine, method, begin.scales(), solver.as_ref()).unwrap();
+    let method = (PeriodicSettings { harmonics: n, ..PeriodicSettings::default() }, Symmetry::Even);
+    let mut problem = fine.conservative_mode(method, begin.scales(), solver.as_ref()).unwrap();
     let mut energy = vec![0.0; problem.dim() + 1];
     energy[problem.dim()] = 1.0;
     let continuation = Continuation { max_points: 1, ..Continuation::default() };

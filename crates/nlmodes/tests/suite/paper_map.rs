@@ -23,7 +23,7 @@ fn existing() -> BTreeSet<String> {
         nlmodes::experiment::extraction::ExcitationPower,
         nlmodes::experiment::phase_loop::PhaseLockedLoop,
         nlmodes::hbm::CondensedStructure,
-        nlmodes::hbm::MixedShooting,
+        nlmodes::hbm::PeriodicSystem,
         nlmodes::modal::ContactStiffness,
         nlmodes::modal::HarmonicBasis,
         nlmodes::modal::HarmonicCoefficients,

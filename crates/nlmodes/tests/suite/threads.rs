@@ -12,7 +12,7 @@ use nlmodes::continuation::{Branch, BranchTree};
 use nlmodes::experiment::extraction::RecordExtraction;
 use nlmodes::experiment::records::Recording;
 use nlmodes::fem::{MassMatrix, Mesh};
-use nlmodes::hbm::{CondensedStructure, MixedShooting};
+use nlmodes::hbm::{CondensedStructure, PeriodicSystem};
 use nlmodes::linalg::{SparseCholesky, SparseMatrix};
 use nlmodes::modal::{ModalBranch, TimeHistory};
 use nlmodes::model::{MasslessContactModel, StructuralModel};
@@ -30,7 +30,7 @@ fn models_problems_and_results_cross_threads() {
     crosses_threads::<(SparseMatrix, SparseCholesky, LcpMatrix, Box<dyn LcpSolver>, SeriesSolution)>();
     crosses_threads::<(PeriodicMotion, TimeHistory)>();
     crosses_threads::<(Branch, BranchTree, ModalBranch, ComputedBranch)>();
-    moves_between_threads::<(Series, MixedShooting)>();
+    moves_between_threads::<(Series, PeriodicSystem)>();
     crosses_threads::<(Recording, RecordExtraction, VirtualTest)>();
 }
 

@@ -5,6 +5,7 @@ use nlmodes_linalg::{DenseLu, Mat, max_norm};
 
 use super::{ForceLaw, LawForce};
 use crate::HbmError;
+use crate::error::agrees;
 use crate::periodic::structure::ModalStructure;
 
 /// Newton steps to the place at rest, halvings of one, and force out of balance over the largest at which they end.
@@ -36,13 +37,7 @@ pub struct LawAtRest {
 pub fn laws_at_rest(structure: &ModalStructure, moved: &[f64]) -> Result<Vec<LawAtRest>, HbmError> {
     let laws = structure.laws();
     let (n, c) = (laws.len(), structure.n_contacts());
-    if moved.len() != n {
-        return Err(HbmError::Size {
-            what: "displacements of laws under static loads",
-            expected: n,
-            found: moved.len(),
-        });
-    }
+    agrees("displacements of laws under static loads", n, moved.len())?;
     let flexibility = static_flexibility(structure)?;
     let contacts = LcpMatrix::new(&flexibility.submatrix(0, 0, c, c).to_owned()).map_err(HbmError::Compliance)?;
     let mut workspace =

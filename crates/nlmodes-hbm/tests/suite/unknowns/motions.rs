@@ -7,8 +7,7 @@ use crate::unknowns::{SYMMETRIES, support};
 use nlmodes_continuation::conformance::jacobian_defect;
 use nlmodes_continuation::{Bound, Continuation, Linearization, ParametricSystem};
 use nlmodes_hbm::{
-    Coordinates, MixedShooting, MixedShootingSettings, ModalDamping, PeriodicSystem, Scales, Switching, Symmetry,
-    grazing_opened, modal_grazing,
+    Coordinates, ModalDamping, PeriodicSettings, PeriodicSystem, Scales, Symmetry, grazing_opened, modal_grazing,
 };
 use nlmodes_model::{Contact, Dof, DofKind, Side, StructuralModel};
 
@@ -161,16 +160,16 @@ fn the_way_to_contacts_that_touch_at_rest_is_smooth_and_begins_and_ends_as_it_is
         let start = grazing_opened(&structure, 1, 1.0).unwrap();
         assert!(start.touches_at_rest());
         for symmetry in SYMMETRIES {
-            let settings = MixedShootingSettings { harmonics: 4, symmetry, switching: Switching::Exact };
-            let mut problem = MixedShooting::new(&structure, settings, start.scales(), solver().as_ref()).unwrap();
-            let (n, series, size) = (problem.dim(), problem.series(), problem.frequency_index());
+            let settings = (PeriodicSettings { harmonics: 4, ..PeriodicSettings::default() }, symmetry);
+            let mut problem = structure.conservative_mode(settings, start.scales(), solver().as_ref()).unwrap();
+            let (n, series, size) = (problem.dim(), problem.series(), problem.n_coefficients());
             let mut x: Vec<f64> = (0..n).map(|i| 0.1 * (1.7 * i as f64 + 0.4).sin()).collect();
             (0..size).filter(|i| i % series.width() == 1).for_each(|i| x[i] = 1.9 - 0.1 * i as f64);
             x[size..].iter_mut().zip([1.06, 0.02]).for_each(|(x, given)| *x = given);
             let mut at = Linearization::new(n);
             {
-                let own = MixedShooting::new(&structure, settings, start.scales(), solver().as_ref()).unwrap();
-                let mut way = own.into_system().beside_opening(&start.opening).unwrap();
+                let own = structure.conservative_mode(settings, start.scales(), solver().as_ref()).unwrap();
+                let mut way = own.beside_opening(&start.opening).unwrap();
                 for s in [0.9, 0.3] {
                     let defect = jacobian_defect(&mut way, &x, s, 1e-6).unwrap();
                     assert!(defect < 1e-6, "{symmetry:?} {s}: {defect:e}");

@@ -3,6 +3,7 @@ use nlmodes_continuation::StepSettings;
 use nlmodes_hbm::{HbmError, ModalStructure, PeriodicSystem, Scales, law_length};
 
 use super::doubled::doubled_responses;
+use crate::response::error::positive;
 use crate::response::follow::Curve;
 use crate::response::linear::{SmallMotion, unknowns_at_rest};
 use crate::response::{ResponseCurve, ResponseError, ResponseModel, ResponsePoint, ResponseSettings};
@@ -371,9 +372,4 @@ fn pressed_length(structure: &ModalStructure) -> Option<f64> {
         pull / size(&mut rigid.clone().map(|k| rows[(i, k)])) * compliance
     };
     (0..rows.nrows()).map(of).filter(|length| length.is_finite() && *length > 0.0).reduce(f64::min)
-}
-
-fn positive(what: &'static str, value: f64) -> Result<(), ResponseError> {
-    let fine = value.is_finite() && value > 0.0;
-    if fine { Ok(()) } else { Err(ResponseError::Setting { what, value, expected: "a positive number" }) }
 }

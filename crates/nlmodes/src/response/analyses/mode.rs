@@ -3,6 +3,7 @@ use nlmodes_continuation::{Bound, ParametricSystem};
 use nlmodes_hbm::{Grazing, HbmError, PeriodicSystem, Symmetry};
 
 use super::touching::as_gaps_close;
+use crate::response::error::holds;
 use crate::response::follow::{Curve, newton};
 use crate::response::linear::unknowns_at_rest;
 use crate::response::{Gradients, ResponseCurve, ResponseError, ResponseModel, ResponseSettings};
@@ -45,10 +46,7 @@ fn free_motion(
     is_damped: bool,
 ) -> Result<ResponseCurve, ResponseError> {
     settings.check()?;
-    if !(energy_ratio.is_finite() && energy_ratio > 1.0) {
-        let (what, expected) = ("the largest energy over that at grazing", "a number above 1");
-        return Err(ResponseError::Setting { what, value: energy_ratio, expected });
-    }
+    holds("the largest energy over that at grazing", energy_ratio, "a number above 1", |ratio| ratio > 1.0)?;
     let mut own = ResponseSettings { stability: false, subharmonic: 1, ..settings.clone() };
     if !is_damped {
         let Gradients { watched, changes } = &*settings.gradients;

@@ -5,6 +5,7 @@ use num_complex::Complex64;
 
 use super::forced::{APART, scales, touch};
 use super::touching::as_gaps_close;
+use crate::response::error::positive;
 use crate::response::follow::{Curve, amplitude};
 use crate::response::linear::{SAFE, SmallMotion, beside, unknowns_at_rest};
 use crate::response::{ResponseCurve, ResponseError, ResponseModel, ResponseSettings};
@@ -23,9 +24,7 @@ pub fn phase_resonance(
     settings: &ResponseSettings,
 ) -> Result<ResponseCurve, ResponseError> {
     settings.check()?;
-    if !(to.is_finite() && to > 0.0) {
-        return Err(ResponseError::Setting { what: "the largest level", value: to, expected: "a positive number" });
-    }
+    positive("the largest level", to)?;
     let drive = model.drive(settings)?.ok_or(ResponseError::NoDrive)?;
     let solver = solver_by_name(&settings.contact_solver).map_err(HbmError::Compliance)?;
     let solver = solver.as_ref();
