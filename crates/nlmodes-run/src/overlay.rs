@@ -28,7 +28,8 @@ use nlmodes_scene::scene::Overlay;
 
 use crate::{Observer, RunError, refusal};
 
-/// What is laid over the results of a scene, of responses a curve of the first of these kinds; of how many rows nothing is used, goes to the observer.
+/// What is laid over the results of a scene, of responses a curve of the first of these kinds; of how many rows nothing
+/// is used, goes to the observer.
 ///
 /// # Errors
 /// [`RunError`] at the overlay that cannot be read.

@@ -134,7 +134,8 @@ impl Scene {
         !self.springs.is_empty() || has_stops
     }
 
-    /// Averaged kinetic energy at which a mode ends, relative to that where it starts, within a frequency window or not.
+    /// Averaged kinetic energy at which a mode ends, relative to that where it starts, within a frequency window or
+    /// not.
     pub fn max_energy_ratio(&self, has_window: bool) -> f64 {
         self.continuation.energy_limit(has_window || !self.springs.is_empty())
     }

@@ -10,7 +10,8 @@ use std::path::{Path, PathBuf};
 
 use nlmodes_scene::{Diagnostic, Diagnostics};
 
-use crate::design::{MAX_DIMENSIONS, Points, Tolerance};
+use crate::design::{MAX_DIMENSIONS, Points};
+use crate::distribution::Tolerance;
 use crate::raw::{RawDesign, RawStudy};
 use crate::study::{Design, DesignKind, Study, Variable};
 

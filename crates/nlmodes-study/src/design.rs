@@ -7,4 +7,3 @@ mod tolerance;
 
 pub use points::{Points, n_listed};
 pub use sobol::MAX_DIMENSIONS;
-pub use tolerance::Tolerance;

@@ -2,8 +2,6 @@
 
 use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 
-use crate::design::Tolerance;
-
 /// A probability distribution.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Distribution {
@@ -58,6 +56,17 @@ impl Distribution {
             }
         }
     }
+}
+
+/// Mean and standard deviation of a variable, and how far it goes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tolerance {
+    /// The mean, at which it is differentiated.
+    pub mean: f64,
+    /// The standard deviation; of values that are listed that of equally likely ones.
+    pub std: f64,
+    /// Lower and upper end of the box.
+    pub ends: [f64; 2],
 }
 
 impl Distribution {

@@ -22,7 +22,7 @@ pub use stored::{read, resolved, stored};
 use serde::Serialize;
 
 use crate::curve::{Curve, Picked, derivatives, pick};
-use crate::design::Tolerance;
+use crate::distribution::Tolerance;
 use crate::error::StudyError;
 use crate::statistics::Statistics;
 use crate::study::{Quantity, Study};

@@ -98,8 +98,8 @@ mod write;
 
 pub use collect::{Band, Collected, Counts, Drawn, State, status};
 pub use curve::{Curve, CurveError, ENERGY_RATIO, Level, Picked, pick};
-pub use design::{Points, Tolerance};
-pub use distribution::Distribution;
+pub use design::Points;
+pub use distribution::{Distribution, Tolerance};
 pub use error::StudyError;
 pub use evaluate::{Answer, Evaluator};
 pub use first_order::{Compared, Corner, Effect, FirstOrder, Kept, OfQuantity};

@@ -16,8 +16,8 @@ pub struct StructureWeights {
     pub(super) laws: Vec<Vec<LawSample>>,
 }
 
-/// The weights of what entries of stiffness and mass change of a structure and its load. Matrices that are symmetric have
-/// all of a pair above the diagonal; of products with complex weights the real part counts.
+/// The weights of what entries of stiffness and mass change of a structure and its load. Matrices that are symmetric
+/// have all of a pair above the diagonal; of products with complex weights the real part counts.
 #[derive(Debug, Clone, Copy)]
 pub struct PartWeights<'a> {
     /// Of `Ω²` and the stiffness of stops that dissipate, m × m.

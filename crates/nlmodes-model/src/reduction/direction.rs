@@ -17,7 +17,8 @@ pub struct MatrixDirection {
     pub mass: Vec<Triplet>,
 }
 
-/// Derivatives of a number by a structure in free-interface modes, as some of its places see it: a weight for each entry.
+/// Derivatives of a number by a structure in free-interface modes, as some of its places see it: a weight for each
+/// entry.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OpenWeights {
     /// Of `Φᵀ K Φ`, m × m.

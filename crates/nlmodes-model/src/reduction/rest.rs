@@ -16,7 +16,8 @@ const RIGID: f64 = 1e-6;
 /// have eight digits at least.
 const UNFELT: f64 = 1e-12;
 
-/// Motion of the contacts over the largest one up to which a mode is not felt: its effect on them is the square of that.
+/// Motion of the contacts over the largest one up to which a mode is not felt: its effect on them is the square of
+/// that.
 const AT_REST: f64 = 1e-6;
 
 /// `Wᵀ Φ`, zero for modes that no contact feels: in symmetric structures rounding couples these, and a branch would

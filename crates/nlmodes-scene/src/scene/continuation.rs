@@ -81,8 +81,8 @@ const ENERGY_RATIO: f64 = 10.0;
 const FAR_ENERGY_RATIO: f64 = 1e4;
 
 impl Continuation {
-    /// Averaged kinetic energy at which a mode ends, relative to that where it starts. `goes_far` has the higher default:
-    /// a structure with springs, or a mode within a frequency window.
+    /// Averaged kinetic energy at which a mode ends, relative to that where it starts. `goes_far` has the higher
+    /// default: a structure with springs, or a mode within a frequency window.
     pub fn energy_limit(&self, goes_far: bool) -> f64 {
         self.max_energy_ratio.unwrap_or(if goes_far { FAR_ENERGY_RATIO } else { ENERGY_RATIO })
     }

@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use super::random::{independent, latin_hypercube};
 use super::sobol::Sobol;
-use super::tolerance::Tolerance;
+use crate::distribution::Tolerance;
 use crate::study::{Design, DesignKind, Study, Values, Variable};
 
 /// The points of a study's design, computed on request.

@@ -1,19 +1,9 @@
-//! The tolerance of a variable: its mean, its standard deviation, and the ends of the box.
+//! The tolerance of a variable of a study.
 
 use serde_json::Value;
 
+use crate::distribution::Tolerance;
 use crate::study::{Design, Values, Variable};
-
-/// Mean and standard deviation of a variable, and how far it goes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tolerance {
-    /// The mean, at which it is differentiated.
-    pub mean: f64,
-    /// The standard deviation; of values that are listed that of equally likely ones.
-    pub std: f64,
-    /// Lower and upper end of the box.
-    pub ends: [f64; 2],
-}
 
 impl Tolerance {
     /// Of a variable of the study.

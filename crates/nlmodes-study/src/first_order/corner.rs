@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use super::{Cases, Further, Slope, Within};
-use crate::design::Tolerance;
+use crate::distribution::Tolerance;
 use crate::error::StudyError;
 use crate::study::Quantity;
 

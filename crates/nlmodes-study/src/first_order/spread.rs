@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::{Slope, Within};
-use crate::design::Tolerance;
+use crate::distribution::Tolerance;
 use crate::statistics::Statistics;
 use crate::study::{Study, Variable};
 

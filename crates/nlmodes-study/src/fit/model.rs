@@ -7,7 +7,7 @@ use nlmodes::least_squares::Residuals;
 use super::FitError;
 use crate::case::resolve_differentiated;
 use crate::curve::{Curve, Picked, derivatives, pick};
-use crate::design::Tolerance;
+use crate::distribution::Tolerance;
 use crate::first_order::Further;
 use crate::run::Worker;
 use crate::study::{Measured, Of, Place, Quantity, Study};

@@ -17,7 +17,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::sobol::SobolIndex;
-use crate::design::Tolerance;
+use crate::distribution::Tolerance;
 use crate::study::{Design, Values, Variable};
 
 /// Highest degree; cases are too few for it long before.
