@@ -265,8 +265,11 @@ impl Certificate {
             n if n == self.all => format!(", all {n} points compared"),
             n => format!(", {n} of {} points compared", self.all),
         };
-        let lost = lost.filter(|_| is_known);
-        let lost = lost.map_or_else(String::new, |check| format!("; {}", finer::not_found(&check.lost)));
+        let lost = match lost {
+            Some(check) if is_known => format!("; {}", finer::not_found(&check.lost)),
+            Some(_) => "; more harmonics or an elastic stop may have one".to_owned(),
+            None => String::new(),
+        };
         let broken = self.broken().map_or_else(String::new, |broken| format!("; {broken}"));
         format!("Estimated errors{name}{points}: {}{lost}{smaller}{broken}", numbers::all(&self.errors))
     }

@@ -97,16 +97,21 @@ fn a_plain_run_says_the_errors_of_its_numbers() -> Outcome {
         let call = call(&[&["run", scene, "--set", "output.figures=false", "--out", &out], settings].concat())?;
         Ok::<String, Box<dyn Error>>(String::from_utf8(call.stdout)? + &String::from_utf8(call.stderr)?)
     };
-    let text = run("configs/beam_two_stops.toml", &[])?;
-    for part in ["Estimated errors, ", "frequency ±", "displacement ±", "impulse ±", "(4 harmonics)"] {
+    let text = run("configs/facing_rods.toml", &[])?;
+    for part in ["Estimated errors, ", "frequency ±", "displacement ±", "impulse ±", "(7 harmonics)"] {
         assert!(text.contains(part), "{part}: {text}");
     }
-    assert!(text.contains("smaller with") && text.contains("--set method.harmonics=8"), "{text}");
+    assert!(text.contains("smaller with") && text.contains("--set method.harmonics=14"), "{text}");
     assert!(!text.contains("Do not use") && !text.contains("Not met"), "{text}");
+    // With more harmonics internal resonances take up the branch but for its first points, which touch lightly.
+    let text = run("configs/beam_two_stops.toml", &["--force"])?;
+    for part in ["frequency, displacement, impulse, largest contact force not known", "more harmonics or an elastic"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
     // With the mass of the contacts left out that is the largest source of the frequency's error.
     let text = run("configs/beam.toml", &["--set", "output.require={ frequency = 1e-3 }", "--force"])?;
     let met = "0.10 % required: met at no compared point (4";
-    for part in [met, "(mass of the contacts left out)", "reduction.kind=\"open-modes\""] {
+    for part in [met, "frequency (at least ±1.7 %, mass of the contacts left out", "reduction.kind=\"open-modes\""] {
         assert!(text.contains(part), "{part}: {text}");
     }
     Ok(())

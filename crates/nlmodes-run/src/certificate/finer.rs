@@ -231,7 +231,7 @@ pub(crate) struct Compared {
 
 /// Least share of the largest contact force and of the largest amplitude without a motion to compare with that points
 /// with one must have come to, for their changes to stand for the others too: the hardest contacts change most.
-const REACH: f64 = 0.9;
+const REACH: f64 = 0.5;
 
 /// What makes a motion change with more harmonics: its contact force, N, and its modal amplitude, m·√kg.
 pub(crate) fn sizes(point: &ModalPoint) -> [f64; 2] {

@@ -96,6 +96,9 @@ pub struct NumberError {
     /// those compared; none where nothing was compared.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub estimate: Option<f64>,
+    /// Where it is not known: that of the sources which are, at all points alike.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at_least: Option<f64>,
     /// The largest source.
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "kind_of")]
     pub source: Option<ErrorSource>,
@@ -116,6 +119,9 @@ pub struct NumberError {
 fn kind_of<S: Serializer>(source: &Option<ErrorSource>, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(source.as_ref().map_or("", |source| &source.name))
 }
+
+/// Relative error from which on known sources are told although others are not known.
+const WORTH_TELLING: f64 = 1e-3;
 
 /// A required error, and where it is met.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -149,12 +155,15 @@ impl NumberError {
         let kinds = worst.unwrap_or(&constant);
         let is_known = found().any(|check| check.is_truncation()) && total(kinds).is_finite();
         let why = own.iter().find(|check| check.outcome == CheckOutcome::NotMade).map_or("", |check| &check.words);
-        let source = kinds.values().max_by(|a, b| a.0.total_cmp(&b.0)).filter(|_| is_known && total(kinds) > 0.0);
-        let source = source.map(|(_, source)| source.clone());
-        let required = number.required(required).filter(|_| is_known);
+        let at_least = Some(total(&constant)).filter(|least| !is_known && *least >= WORTH_TELLING);
+        let kinds = if is_known { kinds } else { &constant };
+        let source = kinds.values().max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, source)| source.clone());
+        let source = source.filter(|_| at_least.is_some() || (is_known && total(kinds) > 0.0));
+        let required = number.required(required).filter(|most| is_known || at_least.is_some_and(|least| least > *most));
         Self {
             number,
             estimate: is_known.then(|| total(kinds)),
+            at_least,
             command: source.as_ref().map(|source| source.command.clone()).filter(|command| !command.is_empty()),
             source,
             beyond: required.map_or(Vec::new(), |required| beyond(required, &each)),
@@ -169,8 +178,16 @@ impl NumberError {
         let met = self.met.as_ref().map_or_else(String::new, Met::text);
         match self.estimate {
             Some(estimate) => format!("{name} {}{met}", margin(estimate)),
-            None => format!("{name} not known, {}", self.why),
+            None => format!("{} not known, {}", self.name_with_least(), self.why),
         }
+    }
+
+    /// Its name and, where it is not known, what is: `frequency (at least ±1.7 %, mass of the contacts left out)`.
+    fn name_with_least(&self) -> String {
+        let name = self.number.meaning();
+        let (Some(least), Some(source)) = (self.at_least, &self.source) else { return name.to_owned() };
+        let met = self.met.as_ref().map_or_else(String::new, Met::text);
+        format!("{name} (at least {}, {}{met})", margin(least), source.name)
     }
 }
 
@@ -178,11 +195,11 @@ impl NumberError {
 /// after the other, with that source or reason once.
 pub(super) fn all(errors: &[NumberError]) -> String {
     let source = |error: &NumberError| error.source.as_ref().map(|source| source.name.clone());
-    let groups =
-        errors.chunk_by(|a, b| (source(a), a.estimate.is_some(), &a.why) == (source(b), b.estimate.is_some(), &b.why));
+    let known = |error: &NumberError| error.estimate.map(|_| source(error));
+    let groups = errors.chunk_by(|a, b| (known(a), &a.why) == (known(b), &b.why));
     let one = |group: &[NumberError]| match &group[0] {
         first if first.estimate.is_none() => {
-            let names: Vec<&str> = group.iter().map(|error| error.number.meaning()).collect();
+            let names: Vec<String> = group.iter().map(NumberError::name_with_least).collect();
             let are = if first.why == UNTOUCHED { "have none of harmonics" } else { "not known" };
             format!("{} {are}, {}", names.join(", "), first.why)
         }

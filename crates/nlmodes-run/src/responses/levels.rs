@@ -181,6 +181,15 @@ pub fn table(levels: &[Level], unit: &str) -> DataTable {
     table
 }
 
+/// `a, b and c`.
+fn and(all: &[String]) -> String {
+    match all.split_last() {
+        None => String::new(),
+        Some((last, [])) => last.clone(),
+        Some((last, others)) => format!("{} and {last}", others.join(", ")),
+    }
+}
+
 /// A length in the unit in which it is read: `1.2 mm`.
 fn length(metres: f64) -> String {
     let (factor, unit) = match metres.abs() {
@@ -363,9 +372,9 @@ impl Level {
         }
         lines.extend(self.sweep());
         if !self.folds_hz.is_empty() {
+            let folds = if self.folds_hz.len() == 1 { "fold" } else { "folds" };
             let at: Vec<String> = self.folds_hz.iter().map(|hz| short(*hz)).collect();
-            let folds = if at.len() == 1 { "fold" } else { "folds" };
-            lines.push(format!("{folds} at {} Hz, stability not known: a sweep may jump there", at.join(", ")));
+            lines.push(format!("{folds} at {} Hz, stability not known: a sweep may jump there", and(&at)));
         }
         lines
     }
@@ -373,11 +382,7 @@ impl Level {
     /// `39 to 41.2 and 43.5 to 50 Hz`.
     fn stable_text(&self) -> String {
         let each: Vec<String> = self.stable.iter().map(|[a, b]| format!("{} to {}", short(*a), short(*b))).collect();
-        match each.split_last() {
-            None => "–".to_owned(),
-            Some((last, [])) => format!("{last} Hz"),
-            Some((last, others)) => format!("{} and {last} Hz", others.join(", ")),
-        }
+        if each.is_empty() { "–".to_owned() } else { format!("{} Hz", and(&each)) }
     }
 
     /// What a sweep meets.
@@ -571,4 +576,75 @@ pub(super) fn frequency(point: &ModalPoint) -> f64 {
 
 pub(super) fn size(point: &ModalPoint) -> f64 {
     point.fundamental.abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nlmodes::modal::{BranchEnd, ModalBranch, Stability};
+    use std::f64::consts::TAU;
+    use std::time::Duration;
+
+    /// A point with this frequency (Hz), stability and event.
+    fn point(hz: f64, stable: Option<bool>, event: Option<Event>) -> ModalPoint {
+        let stability = stable.map(|stable| Stability::conservative(stable, [if stable { 0.5 } else { 2.0 }, 0.0]));
+        let (omega, events) = (TAU * hz, event.into_iter().collect());
+        ModalPoint { omega, fundamental: 5e-4, stability, events, ..ModalPoint::default() }
+    }
+
+    fn level(points: Vec<ModalPoint>, finer: Vec<(usize, Option<ModalPoint>)>) -> Level {
+        let computed = ComputedResponse {
+            response: 0,
+            kind: ResponseKind::Frequency,
+            level: Some(1.0),
+            is_detached: false,
+            branch: ModalBranch::of_points("1 N", points, BranchEnd::given("as given")),
+            participation: Vec::new(),
+            at_levels: Vec::new(),
+            finer,
+            motions: None,
+            appropriations: Vec::new(),
+            wall_time: Duration::ZERO,
+        };
+        Level::of(1, 1.0, &[&computed])
+    }
+
+    /// A stable segment from 17.4 Hz up is left by a sweep down, whichever side of a kink beside its fold rounding puts
+    /// that.
+    #[test]
+    fn a_fold_beside_a_kink_is_left_in_the_direction_of_its_segment() {
+        for apart in [-8e-10, 8e-10] {
+            let found = level(
+                vec![
+                    point(17.6, Some(false), None),
+                    point(17.41, Some(false), None),
+                    point(17.4 + apart, None, Some(Event::Fold)),
+                    point(17.4, Some(true), Some(Event::Kink)),
+                    point(17.5, Some(true), None),
+                    point(18.0, Some(true), None),
+                    point(26.0, Some(true), None),
+                ],
+                Vec::new(),
+            );
+            let [jump] = &found.jumps[..] else { panic!("{found:?}") };
+            assert_eq!((jump.direction, jump.frequency_hz), (Direction::Down, 17.4 + apart));
+            assert_eq!(found.folds_hz, [] as [f64; 0]);
+        }
+    }
+
+    #[test]
+    fn folds_are_listed_where_nothing_is_known_of_stability_and_errors_where_no_finer_motion_was_found() {
+        let points = [18.0, 20.0, 21.0, 20.5, 18.3, 18.5, 19.0].map(|hz| {
+            let is_fold = [21.0, 18.3].contains(&hz);
+            point(hz, None, is_fold.then_some(Event::Fold))
+        });
+        let found = level(points.to_vec(), Vec::new());
+        assert!(found.jumps.is_empty() && found.stable.is_empty(), "{found:?}");
+        let text = found.text("N");
+        assert!(text.contains("folds at 18.3 and 21 Hz, stability not known: a sweep may jump there"), "{text}");
+        assert!(!text.contains("error"), "{text}");
+        let largest = points.len() - 1;
+        let found = level(points.to_vec(), vec![(largest, None)]);
+        assert!(found.text("N").contains("largest amplitude 0.5 mm (error not known) at 19 Hz"), "{found:?}");
+    }
 }

@@ -163,6 +163,11 @@ mod tests {
             let bent = vec![point(10.0, 4.0, 1.0), point(12.0, 4.0, 3.0), point(10.0, 4.0, 5.0)];
             let other = vec![point(10.0, 6.0, 1.6), point(12.0, 6.0, 1.6)];
             let all = [bent.as_slice(), other.as_slice()];
+            // The force of a test is held to some per cent, and along phase resonances it changes.
+            let of_test = |level, same| nearest(&point(11.0, level, 1.5), (&all, same)).map(|found| found[0] / unit);
+            assert!((of_test(4.1, SAME_FORCE).unwrap() - 2.0).abs() < 1e-12);
+            assert!(of_test(5.0, SAME_FORCE).is_none());
+            assert!((of_test(5.0, f64::INFINITY).unwrap() - 1.6).abs() < 1e-12);
             let near = |level, amplitude| {
                 nearest(&point(11.0, level, amplitude), (&all, SAME_LEVEL)).map(|found| found[0] / unit)
             };
