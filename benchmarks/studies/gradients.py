@@ -59,7 +59,7 @@ def straight(kind, stops, units, _folder, _plate):
     scene = Scene(units)
     axis = "transverse" if kind == "beam" else "axial"
     section = {"width_m": 0.02, "height_m": 0.006} if kind == "beam" else {"area_m2": 1.2e-4}
-    scene.table("[structure]", "structure", {"length_m": LENGTH}, [f'kind = "{kind}"', "elements = 10", 'start = "clamped"'], ["length_m"])
+    scene.table("[structure]", "structure", {"length_m": LENGTH}, [f'kind = "{kind}"', "elements = 20", 'start = "clamped"'], ["length_m"])
     scene.table("[structure.material]", "structure.material", {"youngs_modulus_pa": 210e9, "density_kg_m3": 7800.0},
                 ["poissons_ratio = 0.3"] if kind == "beam" else [], ["youngs_modulus_pa", "density_kg_m3"])
     scene.table("[structure.section]", "structure.section", section, by=["height_m", "area_m2"])

@@ -209,7 +209,7 @@ impl ForceBalance<'_> {
         });
         let [low, high] = [products[1] / products[0], products[2] / products[1]];
         (low > 0.0 && low >= ON_A_LINE * high)
-            .then(|| Measured { value: 0.5 * (low + high), uncertainty: 0.5 * (high - low) })
+            .then_some(Measured { value: 0.5 * (low + high), uncertainty: 0.5 * (high - low) })
     }
 }
 
