@@ -96,7 +96,7 @@ def matrices(kind, stops, units, folder, plate):
     sti, mas, labels = plate
     z = [k for k, (_, component) in enumerate(labels) if component == 3]
     to_k, to_m = 1e3 / (mass / second**2), 1e3 / mass
-    rib, pad = 5e4 * to_k, 4e-6 * to_m
+    rib, pad = 2e3 * to_k, 4e-6 * to_m
     where = [z[len(z) // 3], z[2 * len(z) // 3]]
     directions = {"rib": [("stiffness", where[0], where[0], rib), ("stiffness", where[1], where[1], rib), ("stiffness", where[1], where[0], -rib)],
                   "pad": [("mass", where[1], where[1], pad)]}

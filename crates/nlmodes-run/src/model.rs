@@ -5,6 +5,7 @@ mod exact;
 mod laws;
 mod structure;
 
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use nlmodes::hbm::{HbmError, PowerDamper};
@@ -13,9 +14,9 @@ use nlmodes::modal::{BranchEnd, Coordinate, EndReason, ModalBranch};
 use nlmodes::model::MassShift;
 use nlmodes::model::reduction::{MatrixDirection, OpenModes};
 use nlmodes::response::{Dashpot, ResponseError, ResponseModel, Weights};
-use nlmodes_scene::SceneFile;
 use nlmodes_scene::assemble::{OpenStructure, StaticState, Structures};
 use nlmodes_scene::scene::{Place, Response, ResponseKind, Scene, SceneState, Sensitivity, Side};
+use nlmodes_scene::{SceneFile, short};
 
 use damping::damping;
 pub use exact::{push_laws, structure};
@@ -194,7 +195,13 @@ impl Model {
             unit,
             shift: parts.shift,
             stop_dampers: dampers.into_iter().map(|(contact, _, damper)| (contact, damper)).collect(),
-            warnings: parts.warning.take().into_iter().chain(give_way(&beyond_modes)).collect(),
+            warnings: parts
+                .warning
+                .take()
+                .into_iter()
+                .chain(give_way(&beyond_modes))
+                .chain(taken_for_hertz(&windows(scene), parts.open.omega_squared()))
+                .collect(),
             beyond_modes: beyond_modes.into_iter().reduce(f64::max),
             reduction: parts.reduction.take(),
         };
@@ -365,4 +372,44 @@ fn give_way(beyond_modes: &[f64]) -> impl Iterator<Item = String> {
             100.0 * share
         )
     })
+}
+
+/// The frequency windows of the responses over the frequency, Hz, with their numbers.
+fn windows(scene: &Scene) -> Vec<(usize, [f64; 2])> {
+    let all = scene.responses.iter().enumerate().filter(|(_, own)| own.kind == ResponseKind::Frequency);
+    all.filter_map(|(i, own)| Some((i, [*own.frequency_hz.first()?, *own.frequency_hz.last()?]))).collect()
+}
+
+/// Says which windows have no linear mode, but one if their numbers are rad/s.
+fn taken_for_hertz(windows: &[(usize, [f64; 2])], omega_squared: &[f64]) -> Vec<String> {
+    let omega: Vec<f64> = omega_squared.iter().map(|square| square.max(0.0).sqrt()).collect();
+    let warning = |(i, [low, high]): &(usize, [f64; 2])| {
+        let within = |value: f64| (*low..=*high).contains(&value);
+        let mode = omega.iter().position(|omega| within(*omega))?;
+        (!omega.iter().any(|omega| within(omega / TAU))).then(|| {
+            format!(
+                "`response.{i}.frequency_hz`: no linear mode is between {} and {} Hz, but mode {} of {} Hz is between \
+                 as many rad/s: `frequency_rad_s` takes these",
+                short(*low),
+                short(*high),
+                mode + 1,
+                short(omega[mode] / TAU)
+            )
+        })
+    };
+    windows.iter().filter_map(warning).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn windows_in_radians_a_second_are_told_from_those_between_modes() {
+        let squares = [17.3, 75.0, 198.0].map(|hz: f64| (TAU * hz).powi(2));
+        let found = taken_for_hertz(&[(0, [14.0, 26.0]), (1, [100.0, 119.0]), (2, [30.0, 50.0])], &squares);
+        let [only] = &found[..] else { panic!("{found:?}") };
+        let expected = "`response.1.frequency_hz`: no linear mode is between 100 and 119 Hz, but mode 1 of 17.3 Hz is";
+        assert!(only.starts_with(expected), "{only}");
+    }
 }

@@ -1,5 +1,6 @@
 //! Work on numbered items by several threads.
 
+use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
@@ -14,7 +15,8 @@ pub fn each<T: Send>(count: usize, threads: usize, of: impl Fn(usize) -> T + Syn
         let workers: Vec<_> = (1..threads.min(count)).map(|_| scope.spawn(work)).collect();
         let mut all = work();
         for worker in workers {
-            all.extend(worker.join().unwrap_or_default());
+            // What a worker had computed is lost with it, and nobody may take the rest for all.
+            all.extend(worker.join().unwrap_or_else(|panic| resume_unwind(panic)));
         }
         all
     });
