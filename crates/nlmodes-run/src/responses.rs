@@ -337,6 +337,7 @@ fn files(
 pub fn check(file: &SceneFile, observer: &mut dyn Observer) -> Result<Checked, RunError> {
     overlaid::read(file, observer)?;
     let model = Model::new(file)?;
+    observer.warn(&model.warnings);
     doubts::tell(&file.scene, model.reduction.as_ref(), observer);
     Ok((model.reduction, model.state))
 }
